@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from inertia.errors import InertiaError, UsageError
-from inertia.output import require_writable, temporary_folder, together, write_whole
+from inertia.output import remove_left_behind, require_writable, temporary_folder, together, write_whole
 
 
 def test_a_file_that_is_there_is_kept_unless_forced(tmp_path: Path) -> None:
@@ -27,6 +27,7 @@ def test_a_file_that_is_there_is_kept_unless_forced(tmp_path: Path) -> None:
         ("run.txt", UsageError, "must end in .svg or .rrd"),
         ("folder.rrd", UsageError, "it is a directory"),
         ("none/run.rrd", InertiaError, "No such file or directory: name a folder that is there"),
+        ("long" * 64 + ".rrd", InertiaError, "File name too long: give a shorter name"),
     ],
 )
 def test_an_unusable_place_is_refused(tmp_path: Path, name: str, kind: type[Exception], message: str) -> None:
@@ -119,6 +120,32 @@ def test_files_of_a_run_that_died_are_removed_and_those_of_a_live_one_are_not(tm
     for run in runs:
         run.kill()
         run.communicate()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="which has no locks of this kind")
+@pytest.mark.parametrize("made", ["folder", "file"])
+def test_what_another_run_takes_for_dead_before_it_is_locked_is_made_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, made: str
+) -> None:
+    import fcntl
+
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    lock, removed = fcntl.flock, []
+
+    def after_another(file: int, how: int) -> None:
+        if not how & fcntl.LOCK_NB and not removed:
+            removed.extend(tmp_path.glob(".*.inertia"))
+            remove_left_behind(tmp_path)
+        lock(file, how)
+
+    monkeypatch.setattr(fcntl, "flock", after_another)
+    if made == "folder":
+        with temporary_folder() as folder:
+            assert [*tmp_path.iterdir()] == [folder]
+    else:
+        write_whole(tmp_path / "table.csv", b"1, 2")
+        assert [*tmp_path.iterdir()] == [tmp_path / "table.csv"]
+    assert len(removed) == 1
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="links need a privilege")

@@ -157,6 +157,7 @@ def run(options: argparse.Namespace) -> int:
                 engine,
                 shard=options.shard,
                 everything=everything,
+                force=options.force,
                 timings=options.timings,
                 progress=progress,
             )

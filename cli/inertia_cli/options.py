@@ -183,9 +183,12 @@ def size(text: str) -> int:
     }
     written = re.fullmatch(r"(-?[0-9.]+(?:e\+?[0-9]+)?) *([a-z]*)", text.strip().lower())
     try:
-        return int(float(written[1]) * units[written[2]]) if written else int("")
+        count = int(float(written[1]) * units[written[2]]) if written else int("")
     except (ValueError, KeyError, OverflowError):
         raise argparse.ArgumentTypeError(f"{text!r} is no number of bytes, as 2GB, 512MiB or 4e9") from None
+    if not count:
+        raise argparse.ArgumentTypeError(f"{text!r} is less than one byte")
+    return count
 
 
 def decimal_triple(text: str) -> tuple[Fraction, ...]:

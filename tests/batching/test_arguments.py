@@ -1,10 +1,13 @@
 """What a batch cannot use is refused in a sentence, and what it advises can be followed."""
 
 import csv
+import errno
 import json
 import math
 import re
 import sys
+import threading
+from contextlib import closing
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -13,7 +16,10 @@ import pytest
 
 import inertia
 from inertia import Estimate
+from inertia.batching import engines
+from inertia.batching.answer import Setup, within
 from inertia.batching.lot import Lot
+from inertia.batching.sources import Task
 from inertia.batching.summary import Summary
 from inertia_cli import batch
 from inertia_cli.main import build_parser, main
@@ -54,10 +60,24 @@ def batch_options() -> set[str]:
         ({"dask": 8786}, "8786 is no address of a Dask scheduler .*: give one as tcp://host:8786"),
         ({"densty": 7850.0}, "densty is no option of analyse: use density, or one of unit, "),
         ({"time": 3}, "time is no option of analyse: use one of unit, .*chord, "),
+        ({"accuracy": 0}, "accuracy is 0: give a positive relative figure"),
+        ({"accuracy": math.nan}, "accuracy is nan: give a positive relative figure"),
+        ({"format": "foo"}, "unknown format 'foo': use one of stl, "),
+        ({"format": ["stl"]}, r"format is \['stl'\]: give text"),
+        ({"shell": 0.0}, "the shell thickness is 0.0 mm: it must be positive and finite"),
+        ({"allow_faults": 2}, "faults are allowed for up to 2: "),
+        ({"verb": "check", "parts": "each"}, "parts is 'each': use 'together' or 'separate'"),
+        ({"verb": "audit", "tolerance": -1}, "the tolerance is -1: it must lie between 0 and 1"),
+        ({"verb": "audit", "tolerance": "x"}, "tolerance is 'x': give a number"),
+        ({"verb": "audit", "density": -1}, "the density is -1 kg/m³: "),
+        ({"verb": "balance", "time": -1}, "plan.time is -1: it must be positive, a number of s"),
     ],
     ids=str,
 )
-def test_an_argument_that_is_not_usable_is_refused(arguments: dict[str, Any], says: str) -> None:
+def test_an_argument_that_is_not_usable_is_refused(
+    arguments: dict[str, Any], says: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(engines.Processes, "submit", lambda *_: pytest.fail("a worker is asked"))
     with pytest.raises(inertia.UsageError, match=f"^{says}"):
         list(inertia.batch(**{"paths": CUBE, "jobs": 1, **arguments}))
 
@@ -69,8 +89,42 @@ def test_what_is_none_is_not_asked_for() -> None:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="memory of a process is limited on Linux only")
 def test_limits_may_be_numbers_of_any_kind() -> None:
-    (row,) = inertia.batch(CUBE, jobs=1, memory=4e9, timeout=60, shard=[1, 1])  # type: ignore[arg-type]
-    assert row["state"] == "answered"
+    for memory in (4e9, 1e30):
+        (row,) = inertia.batch(CUBE, jobs=1, memory=memory, timeout=60, shard=[1, 1])  # type: ignore[arg-type]
+        assert row["state"] == "answered"
+
+
+def test_a_time_without_end_is_waited_for() -> None:
+    assert within(1e300, lambda: "answer", "none") == "answer"
+
+
+def test_there_are_no_more_workers_than_files() -> None:
+    threads = threading.active_count()
+    with closing(engines.Processes(Setup("check"), 100)) as engine:
+        engine.submit(0, Task(str(CUBE)))
+        assert threading.active_count() <= threads + 1
+        ((_, answer),) = engine.results()
+    assert answer.row["state"] == "answered"
+
+
+@pytest.mark.parametrize(
+    ("what", "error"),
+    [
+        ("threading.Thread.start", RuntimeError("can't start new thread")),
+        ("subprocess.Popen", BlockingIOError(errno.EAGAIN, "Resource temporarily unavailable")),
+    ],
+)
+def test_more_workers_than_the_system_has_room_for_are_refused(
+    what: str, error: Exception, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(*_: object, **__: object) -> None:
+        raise error
+
+    of, _, name = what.rpartition(".")
+    monkeypatch.setattr(f"inertia.batching.engines.{of}.{name}", fails)
+    why = getattr(error, "strerror", None) or error
+    with pytest.raises(inertia.InertiaError, match=rf"could be started \({why}\): ask for fewer by jobs=N$"):
+        list(inertia.batch(CUBE, jobs=2))
 
 
 @pytest.mark.parametrize(
@@ -110,8 +164,8 @@ def test_a_thickness_is_said_as_it_was_written(
     assert main(["analyse", str(CUBE), f"--{option}={stated}"]) == 2
     assert f"the {what} is {stated} mm" in capsys.readouterr().err
     if option == "shell":
-        main(["batch", str(CUBE), f"--{option}={stated}", "--jobs", "1"])
-        assert f"the {what} is {stated} mm" in capsys.readouterr().out
+        assert main(["batch", str(CUBE), f"--{option}={stated}", "--jobs", "1"]) == 2
+        assert f"the {what} is {stated} mm" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("argument", ["sigma", "coverage"])
@@ -124,7 +178,8 @@ def test_what_else_may_be_an_estimate_is_said_as_a_number(argument: str) -> None
 def test_what_is_no_address_is_refused_at_once(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
     distributed = pytest.importorskip("distributed")
     monkeypatch.setattr(distributed.Client, "start", lambda *_, **__: pytest.fail("a scheduler is looked for"))
-    with pytest.raises(inertia.UsageError, match=f"^{address} is no address of a Dask scheduler .*: give one as tcp:"):
+    said = f"^{address or 'nothing'} is no address of a Dask scheduler .*: give one as tcp:"
+    with pytest.raises(inertia.UsageError, match=said):
         list(inertia.batch(CUBE, dask=address))
 
 
@@ -183,6 +238,21 @@ def test_figures_of_a_summary_are_written_as_people_write_them() -> None:
     assert "Expected out      0.00003 % of parts" in text
     assert "100 % out (3 counted)" in text
     assert "4321 s  2.toml" in text
+
+
+@pytest.mark.parametrize(
+    ("message", "kind"),
+    [
+        ("unknown format 'x': use 3mf, 3dxml or su2", "unknown format 'x': use 3mf, 3dxml or su2"),
+        ("not UTF-8 at line 12, column 3.", "not UTF-8 at line …, column …."),
+        ("at -5.0, 1e-05, 10,000 of part-2.stl", "at …, …, … of part-2.stl"),
+    ],
+)
+def test_a_refusal_is_counted_without_figures_but_with_names(message: str, kind: str) -> None:
+    summary = Summary("analyse", 1)
+    row = {"state": "refused", "exit_code": 2, "path": "a.stl", "message": f"a.stl: {message}", "seconds": None}
+    summary.count(row, stored=False)
+    assert list(summary.refusals) == [kind]
 
 
 def test_a_lot_of_nothing_out_says_so() -> None:

@@ -23,7 +23,7 @@ from scipy.spatial.transform import Rotation
 
 import inertia
 from inertia.batching import table
-from inertia.batching.answer import Setup, answer
+from inertia.batching.answer import Answer, Setup, answer
 from inertia.batching.sources import Task
 from inertia.batching.table import Parts
 from inertia_meshes import path
@@ -125,6 +125,13 @@ def test_the_audit_of_a_robot_is_a_row() -> None:
     assert (row["state"], row["exit_code"]) == ("answered", {"consistent": 0, "inconsistent": 5}[audit.verdict])
 
 
+def test_the_audit_of_a_robot_without_its_meshes_says_why_it_is_undecided(tmp_path: Path) -> None:
+    (tmp_path / "arm.urdf").write_bytes(path("robots/arm.urdf").read_bytes())
+    (row,) = rows(tmp_path / "arm.urdf", verb="audit")
+    assert (row["verdict"], row["exit_code"]) == ("undecided", 4)
+    assert row["message"] == "base: t_handle.stl: there is no such file"
+
+
 @pytest.mark.parametrize(
     ("verb", "name", "other"),
     [("balance", "rotors/disc.toml", "disc.stl"), ("audit", "robots/arm.urdf", ".stl")],
@@ -142,6 +149,12 @@ def test_the_balance_of_a_rotor_is_a_row() -> None:
     assert row["verdict"] == balance.verdict.outcome
     assert row["within"] == balance.scatter.within
     assert row["static_gmm"] == pytest.approx(abs(balance.initial.static) * 1e6, rel=1e-12)
+
+
+def test_a_plan_that_was_cut_short_says_so() -> None:
+    (row,) = rows(path("rotors/overhung_impeller.toml"), verb="balance", time=1e-9)
+    assert row["message"].startswith("plane A: ")
+    assert row["message"].endswith("the best that was found in the time that it was given")
 
 
 @pytest.mark.parametrize("name", ["parts.zip", "parts.tar", "parts.tar.gz"])
@@ -433,7 +446,9 @@ def test_members_of_an_archive_that_share_a_name_are_refused(tmp_path: Path, kin
             archive.write(mesh, name) if kind == "zip" else archive.add(mesh, name)
     refused, *others = rows(file)
     assert (refused["state"], refused["exit_code"], refused["mass"]) == ("unreadable", 3, None)
-    says = "it holds 2 files called cube.stl, and nothing says which is meant: pack it again, each under a name of"
+    says = (
+        "the archive holds 2 files called cube.stl, and nothing says which is meant: pack it again, each under a name"
+    )
     assert says in refused["message"]
     assert [row["state"] for row in others] == ["answered"] * len(beside)
 
@@ -455,6 +470,74 @@ def test_a_file_whose_process_dies_twice_has_a_row_and_all_others_too(
     assert (dead["state"], dead["exit_code"]) == ("crashed", 1)
     assert "died (signal 9), and so did the second one" in dead["message"]
     assert before["state"] == after["state"] == "answered"
+
+
+class Backwards:
+    """An engine that answers for the last file first."""
+
+    window = 9
+
+    def __init__(self, setup: Setup) -> None:
+        self.setup = setup
+        self.waiting: list[tuple[int, Task]] = []
+
+    def submit(self, number: int, task: Task) -> None:
+        self.waiting.append((number, task))
+
+    def results(self) -> list[tuple[int, Answer]]:
+        number, task = self.waiting.pop()
+        return [(number, answer(task, self.setup))]
+
+    def close(self) -> None:
+        pass
+
+
+def test_progress_counts_files_as_they_arrive() -> None:
+    engine, counts = Backwards(Setup("check")), []
+    tasks = [Task(str(file)) for file in (CUBE, HANDLE, OPEN)]
+    table.write_batch(
+        None, tasks, engine.setup, lambda: engine, progress=lambda s: counts.append((s.rows, len(engine.waiting)))
+    )
+    assert counts == [(1, 2), (2, 1), (3, 0)]
+
+
+def test_the_table_of_another_run_is_not_replaced_and_the_parts_of_each_stay(tmp_path: Path) -> None:
+    engine, file = Backwards(Setup("check")), tmp_path / "t.csv"
+    parts, tasks = tmp_path / "t.csv.parts", [Task(str(CUBE))]
+    parts.mkdir()
+    (parts / "0123456789abcdef.jsonl").write_text("")
+    with pytest.raises(inertia.UsageError, match=r"t.csv exists: give another name, or force=True"):
+        table.write_batch(file, tasks, engine.setup, lambda: engine, progress=lambda _: file.write_text("theirs"))
+    assert file.read_text() == "theirs"
+    assert len(list(parts.iterdir())) == 2
+
+    def others(_: object) -> None:
+        (parts / "fedcba9876543210.jsonl").write_text("theirs")
+
+    summary = table.write_batch(file, tasks, engine.setup, lambda: engine, force=True, progress=others)
+    assert summary.stored == 1
+    assert [each.name for each in parts.iterdir()] == ["fedcba9876543210.jsonl"]
+
+
+def test_parts_that_another_run_removes_are_asked_for_again(tmp_path: Path) -> None:
+    setup, task = Setup("check"), Task(str(CUBE))
+    with closing(Parts(tmp_path, setup)) as parts:
+        parts.add(task, answer(task, setup))
+    again = Parts(tmp_path, setup)
+    next(tmp_path.glob("*.jsonl")).unlink()
+    assert again.answer(task) is None
+
+
+def test_a_folder_that_parts_cannot_be_kept_in_is_said_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    says = (
+        r"parts, where finished rows are kept, cannot be used \((File name too long|Permission denied)\): name another"
+    )
+    with pytest.raises(inertia.InertiaError, match=says):
+        Parts(tmp_path / f"{250 * 'a'}.parts", Setup("check"))
+    (tmp_path / "a.parts").mkdir()
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    with pytest.raises(inertia.InertiaError, match=says):
+        Parts(tmp_path / "a.parts", Setup("check"))
 
 
 @LINUX

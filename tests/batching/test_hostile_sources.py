@@ -1,8 +1,10 @@
 """Files, archives and manifests that are damaged, odd or meant to do harm: a row or a sentence for each."""
 
 import bz2
+import errno
 import gzip
 import io
+import json
 import os
 import subprocess
 import sys
@@ -13,8 +15,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.mesh.readers.samples import gltf_tree
 
 import inertia
+from inertia.batching.sources import tasks_of
+from inertia.tables import cell_text, csv_text
 from inertia_cli.main import main
 from inertia_meshes import path
 
@@ -349,3 +354,120 @@ def test_an_archive_that_unpacks_to_too_much_is_not_read_to_its_end_for_its_name
     assert [row["state"] for row in rows(whole)] == ["answered"] * 3
     plain = tarred(tmp_path / "parts.tar", members)
     assert [row["state"] for row in rows(plain, unpack_limit=0.001)] == ["answered"] * 3
+
+
+@pytest.mark.parametrize(("verb", "name"), [("balance", "rotors/disc.toml"), ("audit", "robots/arm.urdf")])
+def test_the_url_of_what_refers_to_files_is_refused(verb: str, name: str) -> None:
+    pytest.importorskip("fsspec")
+    url = f"file://{path(name)}"
+    says = "URLs are read of meshes only: copy it to this machine, with the files that it refers to"
+    unreadable(*rows(url, verb=verb), url, f"cannot read {url}: {says}")
+
+
+@pytest.mark.parametrize("kind", ["one", "zip", "tar", "url"])
+def test_a_mesh_out_of_an_archive_or_from_a_url_takes_no_file_from_beside_it(kind: str, tmp_path: Path) -> None:
+    tree, binary = gltf_tree()
+    tree["buffers"][0]["uri"] = "0.stl"  # as an unpacked member may be called
+    members = {"cube.stl": CUBE, "t.gltf": json.dumps(tree).encode(), "0.stl": binary}
+    for name, data in members.items():
+        (tmp_path / name).write_bytes(data)
+    if kind == "url":
+        pytest.importorskip("fsspec")
+        every = rows(file := f"file://{tmp_path}/t.gltf")
+    elif kind == "one":
+        file = tmp_path / "t.gltf.gz"
+        file.write_bytes(gzip.compress(members["t.gltf"]))
+        every = rows(file)
+    else:
+        archive = tmp_path / f"order.{kind}"
+        _ = zipped(archive, members) if kind == "zip" else tarred(archive, [*members.items()])
+        file, every = f"{archive}/t.gltf", rows(archive)[1:2]
+    unreadable(*every, file, "it refers to '0.stl', and no other file is read out of an archive or from a URL: unpack")
+    assert rows(tmp_path / "t.gltf")[0]["state"] == "answered"
+
+
+@pytest.mark.parametrize(("cell", "name"), [("shaft=7850; shaft=1", "'shaft'"), ("7850; shaft=1; 1", "the part")])
+def test_a_cell_that_contradicts_itself_is_refused(cell: str, name: str, tmp_path: Path) -> None:
+    (tmp_path / "manifest.csv").write_text(f"path,density\ncube.stl,{cell}\n")
+    with pytest.raises(inertia.UsageError, match=f"row 2: density is given twice for {name}: give it once"):
+        rows(tmp_path / "manifest.csv")
+
+
+@pytest.mark.parametrize(
+    ("names", "says"),
+    [
+        (["path", "density", "density"], "manifest.parquet has two columns 'density': leave one out$"),
+        (["x", "unit"], "has no column 'path', but 'x', 'unit': name the column of paths so$"),
+    ],
+)
+def test_a_parquet_manifest_that_cannot_be_meant_is_refused(names: list[str], says: str, tmp_path: Path) -> None:
+    pyarrow = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    table = pyarrow.Table.from_arrays([pyarrow.array(["1"])] * len(names), names)
+    parquet.write_table(table, tmp_path / "manifest.parquet")
+    with pytest.raises(inertia.UsageError, match=says):
+        rows(tmp_path / "manifest.parquet")
+
+
+@UNIX
+@pytest.mark.parametrize("glob", ["**/*.stl", "**/d/*.stl", "b/*.stl", "*/*.stl", "*/c?be.stl", "[ab]/*/cube.stl"])
+def test_a_folder_that_may_not_be_listed_is_said(glob: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("a", "b/d"):
+        (tmp_path / name).mkdir(parents=True)
+        (tmp_path / name / "cube.stl").write_bytes(CUBE)
+    scan = os.scandir
+
+    def scandir(folder: Any) -> Any:
+        if Path(folder) == tmp_path / "b":
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(folder))
+        return scan(folder)
+
+    monkeypatch.setattr(os, "scandir", scandir)  # root may list every folder
+    with pytest.raises(inertia.ReadError, match=f"^cannot list {tmp_path}/b/?: permission is denied: ask its owner to"):
+        rows(f"{tmp_path}/{glob}")
+    assert [row["state"] for row in rows(f"{tmp_path}/a/*.stl")] == ["answered"]
+    with pytest.raises(inertia.UsageError, match="matches no file"):
+        rows(f"{tmp_path}/a/*/*.stl")
+
+
+def test_a_glob_in_a_chained_url_is_one_for_the_files_in_the_chain(tmp_path: Path) -> None:
+    pytest.importorskip("fsspec")
+    file = zipped(tmp_path / "order.zip", {"b.stl": CUBE, "a.stl": HANDLE, "a.txt": b""})
+    every = rows(f"zip://*.stl::file://{file}")
+    assert [row["path"] for row in every] == [f"zip://{name}.stl::file://{file}" for name in "ab"]
+    assert [row["mass"] for row in every] == [HANDLE_MASS, CUBE_MASS]
+
+
+@pytest.mark.parametrize("name", ["=x", "'=x", "'' =x", "''-x", "'-1", "-1", "'x", "'' '=x", "＝x"])
+def test_text_in_a_table_reads_back_as_itself(name: str) -> None:
+    assert cell_text(csv_text([[name]]).removesuffix("\n")) == name
+
+
+@UNIX
+def test_the_apostrophe_before_a_path_is_its_own_where_that_file_is_there(tmp_path: Path) -> None:
+    manifest = tmp_path / "manifest.csv"
+    manifest.write_text("path\n'-dash.stl\n")
+    (tmp_path / "-dash.stl").write_bytes(CUBE)
+    assert [row["path"] for row in rows(manifest)] == [f"{tmp_path}/-dash.stl"]
+    (tmp_path / "'-dash.stl").write_bytes(HANDLE)
+    with pytest.raises(inertia.UsageError, match=r"row 2: the path '-dash.stl may be .* put \./ before the one"):
+        rows(manifest)
+    (tmp_path / "-dash.stl").unlink()
+    assert [row["mass"] for row in rows(manifest)] == [HANDLE_MASS]
+    manifest.write_text("path\n./'-dash.stl\n")
+    assert [row["mass"] for row in rows(manifest)] == [HANDLE_MASS]
+
+
+@UNIX
+@pytest.mark.parametrize(("listed", "name"), [(b"a.stl\r\0b\0", "a.stl\r"), (b"a.stl\r\nb\r\n", "a.stl")])
+def test_names_with_zero_bytes_behind_them_are_as_they_stand(
+    listed: bytes, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(listed)))
+    assert [task.path for task in tasks_of(["-"], "analyse")] == [name, "b"]
+
+
+def test_a_url_that_nothing_reads_comes_with_a_remedy() -> None:
+    pytest.importorskip("fsspec")
+    with pytest.raises(inertia.UsageError, match=r"check how it begins, or copy the file to this machine$"):
+        rows("foo://x.stl")

@@ -209,7 +209,8 @@ def with_a_kill(arguments: list[str], table: Path) -> dict[str, Any]:
     while len([*parts.glob("*.jsonl")]) < 4 and run.poll() is None:
         time.sleep(0.01)
     run.kill()
-    run.wait()
+    if run.wait() == 0:
+        sys.exit("the run that was to be cut short was done before: give more parts by --few")
     again = subprocess.run(arguments, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=True)
     summary = json.loads(again.stdout)
     return {"files": summary["files"], "there_already": summary["stored"]}

@@ -214,6 +214,24 @@ def test_what_stands_beside_a_damaged_shard_is_named_too(
     assert f"cannot read {shards[1]}" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("key", "value", "says"),
+    [
+        ("shard", 3, "it is shard 3, and not one as [3, 8]: run its shard again"),
+        ("shard", [1, "x"], "it is shard [1, 'x'], and not one as [3, 8]"),
+        ("files", 7, "it does not say how many files there are"),
+        ("verb", ["check"], "it is no table of a batch"),
+    ],
+)
+def test_a_shard_that_says_nonsense_of_itself_is_named(
+    key: str, value: object, says: str, shards: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    beside = tmp_path / "shard1.jsonl.meta.json"
+    beside.write_text(json.dumps(json.loads(beside.read_text()) | {key: value}))
+    assert batch("--merge", *shards, "-o", tmp_path / "all.jsonl") == 3
+    assert f"cannot read {shards[0]}: {says}" in capsys.readouterr().err
+
+
 def test_a_shard_that_does_not_say_what_it_is_of_is_named(
     shards: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

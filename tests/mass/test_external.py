@@ -11,7 +11,7 @@ import pytest
 from tests.mesh.solids import as_ply, cube, facets, joined, ring, sphere
 
 import inertia
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import GeometryError, ReadError, UsageError
 from inertia.mesh.part import Part, Source
 from inertia.mesh.surface import FacesInFile, Facets, Surface
 from inertia_cli.main import main
@@ -111,6 +111,62 @@ def test_what_is_refused_is_refused_in_the_same_words(make: Callable[[], Surface
     assert str(whole.value).startswith(said)
 
 
+SOUP = np.random.default_rng(2).normal(size=(69_000, 3)), np.arange(69_000).reshape(-1, 3)
+MANY = {
+    "open": ("open: 69000 edges of one triangle alone, too many to be looked at", lambda: joined(SOUP)),
+    "inconsistent_winding": (
+        "inconsistent winding: the two triangles run the same way at 90182 edges, too many",
+        lambda: joined(_half_turned(ring(300, 200))),
+    ),
+}
+
+
+def _half_turned(mesh: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    vertices, faces = mesh
+    turn = np.random.default_rng(0).integers(0, 2, len(faces)) == 1
+    return vertices, np.where(turn[:, None], faces[:, ::-1], faces)
+
+
+def _in_little(part: Part) -> float:
+    """Return the least memory in which a part is paired, in which few irregular edges are looked at."""
+    with pytest.raises(UsageError, match="allow at least") as least:
+        inertia.analyse(part, memory=1e6)
+    size, unit = str(least.value).partition("at least ")[2].split()[:2]
+    return float(size) * {"MB": 1e6, "GB": 1e9}[unit]
+
+
+@pytest.mark.usefixtures("nothing_fits")
+@pytest.mark.parametrize("code", MANY)
+def test_edges_at_fault_that_are_too_many_to_be_looked_at_are_told_apart(code: str) -> None:
+    said, make = MANY[code]
+    part = stored(make())
+    sentences = set()
+    for _ in range(2):  # the keys of the edges differ
+        with pytest.raises(GeometryError) as fault:
+            inertia.analyse(part, memory=_in_little(part))
+        sentences.add(str(fault.value))
+        assert fault.value.code == code
+    assert len(sentences) == 1
+    assert said in sentences.pop()
+
+
+@pytest.mark.usefixtures("nothing_fits")
+def test_an_open_shell_needs_none_of_its_edges_looked_at() -> None:
+    part = stored(joined(SOUP))
+    assert inertia.analyse(part, shell=0.1, memory=_in_little(part)).bodies == 23_000
+
+
+@pytest.mark.usefixtures("nothing_fits")
+def test_edges_of_four_triangles_that_are_too_many_are_refused_with_the_memory_that_is_enough() -> None:
+    cubes = [cube(at) for at in np.ndindex(20, 20, 20) if sum(at) % 2 == 0]
+    part = stored(joined(*cubes))
+    with pytest.raises(UsageError, match=r"edges of more than two triangles which .*: allow [\d.]+ [MG]B by") as fault:
+        inertia.analyse(part, memory=_in_little(part))
+    size, unit = str(fault.value).partition("allow ")[2].split()[:2]
+    analysis = inertia.analyse(part, memory=float(size) * {"MB": 1e6, "GB": 1e9}[unit])
+    assert (analysis.bodies, analysis.properties.volume) == (len(cubes), pytest.approx(1e-9 * len(cubes)))
+
+
 @pytest.mark.usefixtures("nothing_fits")
 def test_edges_of_four_triangles_are_named_as_what_was_not_looked_at() -> None:
     part = stored(joined(cube(), cube((1, 1, 0))))
@@ -141,7 +197,7 @@ def test_what_takes_the_whole_part_in_memory_is_refused(what: str) -> None:
 @pytest.mark.usefixtures("nothing_fits")
 def test_other_formats_are_refused() -> None:
     vertices, faces = ring()
-    with pytest.raises(UsageError, match="piece by piece go binary STL files, and binary PLY"):
+    with pytest.raises(UsageError, match="is no binary STL file, nor a binary PLY file of triangles alone"):
         inertia.analyse(Part.from_arrays(vertices, faces), memory=MEMORY)
 
 
@@ -188,8 +244,53 @@ def test_a_face_of_a_ply_file_that_names_no_vertex_is_refused(tmp_path: Path) ->
     faces = faces.copy()
     faces[77, 1] = len(vertices)
     part = inertia.read(as_ply(tmp_path / "beyond.ply", vertices, faces), memory=MEMORY)
-    with pytest.raises(GeometryError, match=rf"face 77 names one of the vertices .*{len(vertices)}.* export the mesh"):
+    with pytest.raises(ReadError, match=rf"face 77 names vertex {len(vertices)}, .* export the mesh") as beyond:
         inertia.analyse(part, memory=MEMORY)
+    assert beyond.value.code == "node_out_of_range"
+
+
+@pytest.mark.usefixtures("nothing_fits")
+@pytest.mark.parametrize("used", [True, False])
+def test_a_vertex_of_a_ply_file_that_is_not_finite_is_refused_whoever_uses_it(used: bool, tmp_path: Path) -> None:
+    vertices, faces = ring()
+    vertices = np.concatenate([vertices, [[np.nan, 0, 0]]])
+    if used:
+        vertices[5, 1] = np.inf
+    file = as_ply(tmp_path / "odd.ply", vertices, faces)
+    for memory in (None, MEMORY):
+        with pytest.raises(ReadError, match=rf"vertex {5 if used else len(vertices) - 1}.* not finite") as odd:
+            inertia.read(file, memory=memory)
+        assert odd.value.code == "non_finite"
+
+
+@pytest.mark.usefixtures("nothing_fits")
+def test_line_ends_may_follow_the_rows_of_a_ply_file(tmp_path: Path) -> None:
+    file = as_ply(tmp_path / "ring.ply", *ring())
+    stored_in = inertia.analyse(inertia.read(file, memory=MEMORY), memory=MEMORY)
+    file.write_bytes(file.read_bytes() + b"\r\n")
+    part = inertia.read(file, memory=MEMORY)
+    assert isinstance(part.geometry, FacesInFile)
+    assert inertia.analyse(part, memory=MEMORY).properties.volume == stored_in.properties.volume
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is measured as Linux counts it")
+def test_what_was_read_whole_is_analysed_so_within_the_same_memory(tmp_path: Path) -> None:
+    """The process has grown since it was read: by the arrays, and by what is imported meanwhile."""
+    file = as_ply(tmp_path / "ring.ply", *ring(200, 200))
+    least, most = 0.0, MEMORY
+    while most - least > 1e5:  # the least memory in which it is read whole
+        some = (least + most) / 2
+        stays = isinstance(inertia.read(file, memory=some).geometry, FacesInFile)
+        least, most = (some, most) if stays else (least, some)
+    part = inertia.read(file, memory=most + 1e6)
+    if not isinstance(part.geometry, FacesInFile):
+        assert inertia.analyse(part, memory=most + 1e6).crossings_examined
+
+
+@pytest.mark.parametrize("memory", [-1, float("nan"), True, "2GB"])
+def test_no_limit_of_memory_is_refused_where_a_file_is_read(memory: Any) -> None:
+    with pytest.raises(UsageError, match="it must be positive and finite, in bytes"):
+        inertia.read(path("t_handle.stl"), memory=memory)
 
 
 @pytest.mark.usefixtures("nothing_fits")
@@ -197,7 +298,7 @@ def test_other_polygons_of_a_ply_file_are_refused(tmp_path: Path) -> None:
     vertices, _ = cube()
     quads = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]])
     part = inertia.read(as_ply(tmp_path / "quads.ply", vertices, quads), memory=MEMORY)
-    with pytest.raises(UsageError, match="piece by piece go binary STL files, and binary PLY files of triangles"):
+    with pytest.raises(UsageError, match="is no binary STL file, nor a binary PLY file of triangles alone"):
         inertia.analyse(part, memory=MEMORY)
 
 

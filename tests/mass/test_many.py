@@ -141,6 +141,10 @@ def test_no_mesh_at_all_is_an_empty_answer() -> None:
         (([[[0, 0, 0]]], [[[0, 0, 0]], [[0, 0, 0]]]), "1 arrays of vertices and 2 of faces"),
         (([[[0, 0, 0]]], [[0, 0, 0]], [1.0, 2.0]), "one number or 1 of them"),
         (([[[0, 0, 0]]], [[0, 0, 0]], -1.0), "density is -1"),
+        (([[[0, 0, 0]]], [[0, 0, 0]], "steel"), "density is 'steel': it must be a number"),
+        ((None, [[0, 0, 0]]), "vertices must be arrays, one of each mesh, not None"),
+        (([[[0, 0, 0]]], None), "faces must be arrays, one of each mesh, not None"),
+        (([[[0, 0, 0]]], [[0, 0.5, 0]]), "faces hold 0.5, which is no number of a vertex"),
     ],
 )
 def test_what_cannot_be_meant_is_said(arguments: tuple[object, ...], said: str) -> None:
@@ -154,6 +158,14 @@ def test_rows_of_what_is_not_simple_are_not_read() -> None:
     vertices, faces = ball(0)
     table = np.array([[0, len(vertices), 0, len(faces)], [0, len(vertices), 1, len(faces) - 1]])
     assert small_sums(vertices, np.asarray(faces, np.int64), table)[1].tolist() == [True, False]
+
+
+def test_a_subnormal_mass_is_within_its_bound() -> None:
+    vertices, faces = ball(1)
+    one = inertia.mass_properties(inertia.Part.from_arrays(vertices, faces), 1e-316)
+    answer = inertia.many([vertices], faces, 1e-316)
+    assert (answer.mass[0], answer.volume_error[0]) == (one.mass, one.error.mass)
+    assert one.error.mass > one.error.volume
 
 
 def test_meshes_of_any_sizes_one_after_another_are_answered_as_apart() -> None:
@@ -171,7 +183,15 @@ def test_meshes_of_any_sizes_one_after_another_are_answered_as_apart() -> None:
 
 @pytest.mark.parametrize(
     "offsets",
-    [([0, 5, 4], [0, 4, 8]), ([0, 4, 9], [0, 4, 8]), ([0.5, 4], [0, 4]), ([], []), ([0, 4, 8], [0, 8])],
+    [
+        ([0, 5, 4], [0, 4, 8]),
+        (np.uint64([0, 8, 4]), np.uint64([0, 4, 8])),  # of which no difference is negative
+        ([0, 4, 9], [0, 4, 8]),
+        ([0.5, 4], [0, 4]),
+        ([], []),
+        ([0, 4, 8], [0, 8]),
+        ([0, 4], [0, 4], [0, 4]),
+    ],
     ids=str,
 )
 def test_offsets_that_fit_no_meshes_are_refused(offsets: tuple[list[float], list[float]]) -> None:

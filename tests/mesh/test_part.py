@@ -77,3 +77,27 @@ def test_what_has_no_surface_is_refused() -> None:
         Part.from_trimesh(trimesh.Scene())
     with pytest.raises(GeometryError, match="is a mesh of cells"):
         read(path("two_region_bar.vtk")).to_trimesh()
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces", "said"),
+    [
+        (CORNERS, TRIANGLES + 0.5, "faces hold 0.5, which is no number of a vertex: give whole numbers"),
+        (CORNERS, np.where(TRIANGLES == 3, np.nan, TRIANGLES), "faces hold nan, which is no number"),
+        (CORNERS + 1j, TRIANGLES, "vertices must be an array of real numbers"),
+        (CORNERS, None, "faces must be an array of whole numbers"),
+        ([[0, 0, 0], [1]], TRIANGLES, "vertices must be an array of real numbers"),
+        ("none", TRIANGLES, "vertices must be an array of real numbers"),
+    ],
+)
+def test_what_are_no_vertices_or_faces_is_refused(vertices: object, faces: object, said: str) -> None:
+    with pytest.raises(UsageError, match=said):
+        Part.from_arrays(vertices, faces)  # type: ignore[arg-type]
+
+
+def test_whole_numbers_are_faces_whatever_their_type() -> None:
+    for kind in (np.int8, np.uint64, np.float32, object):
+        faces = TRIANGLES.astype(kind) if kind is not object else TRIANGLES.tolist()
+        assert np.array_equal(Part.from_arrays(CORNERS, faces).triangles.faces, TRIANGLES)  # type: ignore[union-attr]
+    with pytest.raises(GeometryError, match="names vertex 9223372036854775807, but the vertices are 0 to"):
+        Part.from_arrays(CORNERS, TRIANGLES.astype(np.uint64) + np.uint64(2**63))

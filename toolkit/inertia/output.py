@@ -29,6 +29,7 @@ _REMEDIES = {
     errno.EFBIG: "raise the limit on the size of files, or write less",
     errno.ENOENT: "name a folder that is there",
     errno.ENOTDIR: "name a folder that is there",
+    errno.ENAMETOOLONG: "give a shorter name",
 }
 _TEMPORARY = re.compile(r"\..+\.[0-9a-f]{12}\.inertia")
 _NAME = 50  # characters of the file's name in that of the temporary one, which has to fit into 255 bytes
@@ -136,15 +137,16 @@ def require_writable(file: str | os.PathLike[str], *suffixes: str, force: bool =
     if suffixes and path.suffix.lower() not in suffixes:
         names = " or ".join(filter(None, [", ".join(suffixes[:-1]), suffixes[-1]]))
         raise UsageError(f"cannot write {path}: its name must end in {names}")
-    if path.is_dir():
-        raise UsageError(f"cannot write {path}: it is a directory")
-    if path.exists() and not path.is_file():
-        raise UsageError(f"cannot write {path}: it is not a regular file but a pipe, socket or device")
-    _require_other(path)
-    if path.exists() and not force:
-        raise UsageError(f"{path} exists: give another name, or ", FORCE, " to write over it", code="exists")
-    with _faults(path), _beside(path):
-        pass
+    with _faults(path):
+        if path.is_dir():
+            raise UsageError(f"cannot write {path}: it is a directory")
+        if path.exists() and not path.is_file():
+            raise UsageError(f"cannot write {path}: it is not a regular file but a pipe, socket or device")
+        _require_other(path)
+        if path.exists() and not force:
+            raise UsageError(f"{path} exists: give another name, or ", FORCE, " to write over it", code="exists")
+        with _beside(path):
+            pass
     return path
 
 
@@ -240,12 +242,22 @@ def _new(beside: Path) -> tuple[int | None, bool]:
     if sys.platform == "win32":  # where an open file can be neither renamed nor removed
         os.close(lock)
         return None, True
-    with suppress(OSError):  # a file system without locks, or another run that takes this one for dead
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    if os.fstat(lock).st_nlink:
+    if _is_locked(beside, lock):
         return lock, True
     os.close(lock)
     return None, False
+
+
+def _is_locked(path: Path, lock: int) -> bool:
+    """Take the lock of what was made a moment ago; say whether it is still there.
+
+    Until then another run takes it for one that died: it has the lock while it removes it, and is waited for.
+    """
+    with suppress(OSError):  # a file system without locks
+        fcntl.flock(lock, fcntl.LOCK_EX)
+    with suppress(FileNotFoundError):
+        return os.path.samestat(path.lstat(), os.fstat(lock))
+    return False
 
 
 @contextmanager
@@ -259,24 +271,23 @@ def temporary_folder() -> Iterator[Path]:
     wanted = os.environ.get("TMPDIR")  # which tempfile passes over where it cannot be used
     if wanted and not os.access(wanted, os.W_OK | os.X_OK):
         raise WriteError(f"TMPDIR is {wanted}, where no temporary files can be written: set it to another folder")
-    try:
-        remove_left_behind()
-        temporary = tempfile.TemporaryDirectory(prefix=".", suffix=f".{os.urandom(6).hex()}.inertia")
-    except OSError as error:
-        raise WriteError(
-            f"no folder for temporary files can be written to ({error.strerror}): set TMPDIR to one"
-        ) from None
-    with temporary as name:
-        folder = Path(name)
-        lock = None if sys.platform == "win32" else os.open(folder, os.O_RDONLY)
+    with ExitStack() as stack:
         try:
-            if lock is not None:
-                with suppress(OSError):
-                    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            yield folder
-        finally:
-            if lock is not None:
-                os.close(lock)
+            remove_left_behind()
+            while True:
+                own = tempfile.TemporaryDirectory(prefix=".", suffix=f".{os.urandom(6).hex()}.inertia")
+                folder = Path(stack.enter_context(own))
+                if sys.platform == "win32":
+                    break
+                with suppress(FileNotFoundError):
+                    stack.callback(os.close, lock := os.open(folder, os.O_RDONLY))
+                    if _is_locked(folder, lock):
+                        break
+        except OSError as error:
+            raise WriteError(
+                f"no folder for temporary files can be written to ({error.strerror}): set TMPDIR to one"
+            ) from None
+        yield folder
 
 
 def remove_left_behind(folder: Path | None = None) -> None:

@@ -7,6 +7,7 @@ from contextlib import ExitStack, contextmanager
 from typing import Any
 
 from inertia.errors import UsageError, visible
+from inertia.output import temporary_folder
 
 _PATIENCE = "10 s"  # for the scheduler to answer
 
@@ -42,7 +43,9 @@ def connected(address: str, threads: int) -> Iterator[Any]:
     with ExitStack() as stack:
         scheduler: Any = address
         if address == "local":
-            stack.enter_context(dask.config.set({"distributed.worker.profile.enabled": False}))
+            folder = str(stack.enter_context(temporary_folder()))
+            settings = {"distributed.worker.profile.enabled": False, "temporary-directory": folder}
+            stack.enter_context(dask.config.set(settings))
             scheduler = stack.enter_context(
                 distributed.LocalCluster(
                     n_workers=1,
@@ -57,7 +60,7 @@ def connected(address: str, threads: int) -> Iterator[Any]:
                 get_address_host(address)  # it asks for a known scheme and a port
             except (TypeError, ValueError) as error:
                 raise UsageError(
-                    f"{visible(str(address))} is no address of a Dask scheduler ({error}): give one as tcp://host:8786"
+                    f"{visible(str(address)) or 'nothing'} is no address of a Dask scheduler ({error}): give one as tcp://host:8786"
                 ) from None
         try:
             client = Client(scheduler, timeout=_PATIENCE, set_as_default=False)

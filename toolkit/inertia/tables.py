@@ -39,7 +39,8 @@ class Column(NamedTuple):
 def csv_text(rows: Iterable[Iterable[object]]) -> str:
     """Return rows as CSV, with an apostrophe before text that a spreadsheet would take for a formula.
 
-    Source: OWASP, "CSV Injection". Numbers stay as they are, whether or not they have a sign.
+    So has such text with apostrophes before it already: each text reads back as itself. Source: OWASP, "CSV Injection".
+    Numbers stay as they are, whether or not they have a sign.
 
     >>> print(csv_text([["plane", "z"], ["=cmd|' /C calc'!A0", -1.5], ["-1.5", "@SUM(1)"], ["a, b", "x=1"]]), end="")
     plane,z
@@ -56,17 +57,17 @@ def csv_text(rows: Iterable[Iterable[object]]) -> str:
 def cell_text(cell: str) -> str:
     """Return the text that `csv_text` wrote into a cell.
 
-    >>> cell_text("'=x"), cell_text("'x'")
-    ('=x', "'x'")
+    >>> cell_text("'=x"), cell_text("''=x"), cell_text("'x'")
+    ('=x', "'=x", "'x'")
     """
     return cell[1:] if cell[:1] == "'" and _no_formula(cell[1:]) == cell else cell
 
 
 def _no_formula(cell: object) -> object:
-    if not isinstance(cell, str) or cell.lstrip(" ")[:1] not in {*"=+-@\t\r\n＝＋－＠"}:
+    if not isinstance(cell, str) or (bare := cell.lstrip("'")).lstrip(" ")[:1] not in {*"=+-@\t\r\n＝＋－＠"}:
         return cell
     try:
-        float(cell)
+        float(bare)
     except ValueError:
         return f"'{cell}"
     return cell

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from tests.mesh.self_crossing import CROSSING, SOUND, Mesh, hairpin, pentagram, ring
 from tests.mesh.solids import cube, joined, part
+from tests.mesh.solids import ring as torus
 
 import inertia
 from inertia.mesh.check import check
@@ -152,3 +153,10 @@ def test_voxels_that_touch_at_edges_are_the_bodies_that_share_sides(seed: int) -
     answer = inertia.analyse(boundary_of(filled))
     assert answer.bodies == label(filled)[1]
     assert answer.properties.volume == pytest.approx(1e-9 * filled.sum(), rel=1e-14)
+
+
+def test_a_torus_that_meets_itself_on_its_axis_is_refused_by_that() -> None:
+    """Rays along the axis meet triangles on edge, whose rounded corners have no height there."""
+    spindle = Part.from_arrays(*torus(40, 30, radius=1.0, tube=2.0))
+    with pytest.raises(inertia.GeometryError, match=r"self-intersection: .* twice: too little for rays to meet it"):
+        inertia.analyse(spindle)

@@ -18,6 +18,8 @@ from inertia.mesh.external.closure import closed_by_place, external_closure, roo
 from inertia.mesh.geometry import edge_buckets as buckets
 from inertia.mesh.geometry.closure import paired_by_keys, vectorised_closure
 from inertia.mesh.geometry.faces import merge_equal_vertices
+from inertia.mesh.geometry.irregular_edges import Irregular, TooMany
+from inertia.mesh.geometry.leaves import BY_PLACE, Limits, paired_by_place, stored_at_most
 from inertia.mesh.surface import FACET, Facets, Surface
 
 AMPLE = 10**8
@@ -126,7 +128,7 @@ def test_irregular_edges_are_those_that_are_not_used_once_each_way() -> None:
             uses[tuple(sorted((tuple(tail), tuple(head))))].append((number, tail < head))
     odd = {edge: users for edge, users in uses.items() if len(users) != 2 or users[0][1] == users[1][1]}
     irregular = external_closure(stored(corners), AMPLE).irregular
-    assert irregular is not None
+    assert isinstance(irregular, Irregular)
     ends = irregular.vertices[irregular.edges.ends]
     assert {tuple(sorted(map(tuple, edge))) for edge in ends.tolist()} == set(odd)
     assert sorted(irregular.edges.users.tolist()) == sorted(number for users in odd.values() for number, _ in users)
@@ -136,9 +138,11 @@ def test_too_many_irregular_edges_are_counted_only() -> None:
     count = 23_000  # 69,000 loose edges, and room to look at 65,536
     corners = np.random.default_rng(2).normal(size=(count, 3, 3)).astype(np.float32)
     pairing = external_closure(stored(corners), room_for(count))
-    assert pairing.irregular is None
+    assert isinstance(pairing.irregular, TooMany)
     assert (pairing.closure.open_edges, pairing.closure.components) == (3 * count, count)
-    assert pairing.triangle is not None
+    assert vars(pairing.irregular) == {
+        "triangle": 0, "once": 3 * count, "same_way": 0, "crowded": 0, "halves": 3 * count
+    }  # fmt: skip
 
 
 class OnDisk(NamedTuple):
@@ -200,6 +204,38 @@ def test_too_full_a_disk_is_refused_before_it_is_written_to(on_disk: OnDisk, mon
     monkeypatch.setattr(shutil, "disk_usage", lambda folder: shutil._ntuple_diskusage(10**9, 10**9, 10**6))
     with pytest.raises(WriteError, match=r"temporary files of 9 MB are needed, and .* has room for 1 MB: set TMPDIR"):
         external_closure(on_disk.surface, on_disk.room)
+
+
+class Stored:
+    """A store in memory, and how large it has grown."""
+
+    def __init__(self) -> None:
+        self.content = bytearray()
+
+    def reserve(self, size: int) -> int:
+        self.content += bytes(size)
+        return len(self.content) - size
+
+    def write(self, array: np.ndarray, at: int) -> None:
+        self.content[at : at + array.nbytes] = array.tobytes()
+
+    def read(self, array: np.ndarray, at: int) -> None:
+        array.view(np.uint8).reshape(-1)[:] = np.frombuffer(self.content, np.uint8, array.nbytes, at)
+
+
+@pytest.mark.parametrize("parts", [1, 2])
+@pytest.mark.parametrize("held", [0.3, 0.5, 0.9])
+def test_no_more_is_stored_than_was_asked_for(held: float, parts: int, on_disk: OnDisk) -> None:
+    if not all(kernel.worthwhile(on_disk.surface.count) for kernel in BY_PLACE):
+        return
+    count, store = on_disk.surface.count, Stored()
+    rows, leaf = int(held * count), 1 << 13
+    limits = Limits(rows, 1 << 10, 1 << 30, store)
+    salt = np.random.default_rng(5).integers(0, 2**63, 15).astype(np.uint64)
+    paired = paired_by_place(on_disk.surface, leaf, 16, parts, salt, limits=limits)
+    assert paired is not None
+    assert paired[:2] == (0, 1)
+    assert 0 < len(store.content) <= stored_at_most(count, leaf, rows, parts)
 
 
 def test_a_folder_that_is_not_there_is_refused(on_disk: OnDisk, monkeypatch: pytest.MonkeyPatch) -> None:

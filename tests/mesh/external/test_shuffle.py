@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,7 @@ import inertia
 from inertia.errors import GeometryError, InertiaError, ReadError, UsageError
 from inertia.mesh.external.shuffle import StoredTriangles
 from inertia.mesh.surface import Surface
+from inertia_meshes import path
 
 distributed = pytest.importorskip("distributed")
 
@@ -121,6 +124,49 @@ def test_a_scheduler_that_ends_is_said(tmp_path: Path) -> None:
         inertia.analyse(part, dask=cluster.scheduler_address, progress=once(cluster.close))
 
 
+@pytest.mark.parametrize("kind", ["stl", "ply"])
+def test_a_file_that_took_the_place_of_another_is_read_anew(kind: str, cluster: Any, tmp_path: Path) -> None:
+    """As `tar` and `rsync` leave it: of the same size, with the same time of change."""
+    file, volumes = tmp_path / f"ring.{kind}", []
+    for scale in (1.0, 2.0):
+        vertices, faces = scale * ring()[0], ring()[1]
+        made = tmp_path / "made"
+        if kind == "stl":
+            written(made, Surface(vertices, faces))
+        else:
+            as_ply(made, vertices, faces)
+        os.utime(made, (1e9, 1e9))
+        made.replace(file)
+        part = inertia.read(file, memory=0)
+        volumes.append(inertia.analyse(part, dask=cluster.scheduler_address).properties.volume)
+    assert volumes[1] == pytest.approx(8 * volumes[0], rel=1e-6)
+
+
+def test_a_small_part_has_the_same_bits_too(cluster: Any) -> None:
+    part = inertia.read(path("box.stl"))
+    whole, shared = inertia.analyse(part), inertia.analyse(part, dask=cluster.scheduler_address)
+    assert shared.properties.error == whole.properties.error
+    assert np.array_equal(shared.properties.inertia, whole.properties.inertia)
+
+
+def test_standard_input_is_not_read_by_workers(tmp_path: Path) -> None:
+    content = written(tmp_path / "ring.stl", joined(ring())).read_bytes()
+    (tmp_path / "-").write_bytes(content)  # which is another file
+    command = [sys.executable, "-m", "inertia_cli", "analyse", "-", "--dask", "local"]
+    run = subprocess.run(command, input=content, capture_output=True, cwd=tmp_path, check=False)
+    assert run.returncode == 2
+    assert b"is no binary STL or PLY file as it is" in run.stderr
+
+
+def test_a_scheduler_of_its_own_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    part = inertia.read(written(tmp_path / "ring.stl", joined(ring())))
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(folder))
+    inertia.analyse(part, dask="local")
+    assert not [*folder.iterdir()]
+
+
 def test_a_worker_with_another_file_says_so(tmp_path: Path) -> None:
     file = StoredTriangles.of(inertia.read(written(tmp_path / "ring.stl", joined(ring()))))
     assert file.read(3, 5).count == 2
@@ -134,5 +180,5 @@ def test_a_worker_with_another_file_says_so(tmp_path: Path) -> None:
 
 def test_what_is_no_binary_stl_file_is_refused(cluster: Any) -> None:
     vertices, faces = ring()
-    with pytest.raises(UsageError, match="piece by piece go binary STL files, and binary PLY"):
+    with pytest.raises(UsageError, match="is no binary STL file, nor a binary PLY file of triangles alone"):
         inertia.analyse(inertia.Part.from_arrays(vertices, faces), dask=cluster.scheduler_address)

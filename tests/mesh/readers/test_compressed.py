@@ -96,7 +96,7 @@ REFUSED = {
     "several.zip": (zipped(**{"a.off": MESH, "b.stl": MESH}), "it holds 2 meshes, a.off, b.stl: unpack it and give"),
     "many.tar": (tarred(**{f"{k}.off": MESH for k in range(9)}), "9 meshes, 0.off, .*, 4.off and 4 more"),
     "none.zip": (zipped(**{"a.txt": b"words", "b.txt": b"words"}), "it holds no mesh, but a.txt, b.txt: give a mesh"),
-    "empty.zip": (zipped(), "it holds no mesh, but nothing"),
+    "empty.zip": (zipped(), "it holds no mesh at all: give a mesh"),
     "nested.off.gz": (
         gzip.compress(gzip.compress(MESH)),
         "nested.off, which is packed as gzip, and archives in archives are not opened",

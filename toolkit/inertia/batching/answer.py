@@ -27,8 +27,8 @@ Row = dict[str, Any]
 T = TypeVar("T")
 
 _FAULT = 1  # the exit code where the process that answers dies
-_READ = ("unit", "format", "unpack_limit")
-_WEIGHED = ("density", "material", "mass")  # which say the same in different ways
+READ = ("unit", "format", "unpack_limit")
+WEIGHED = ("density", "material", "mass")  # which say the same in different ways
 _MEMORY = Remedy("batch", "memory", "BYTES")
 _TIMEOUT = Remedy("batch", "timeout", "SECONDS")
 
@@ -54,8 +54,8 @@ class Setup:
 
     def options_of(self, task: Task) -> dict[str, Any]:
         """Return the options of a file: its own, and those of all files that they do not take the place of."""
-        weighed = any(name in task.options for name in _WEIGHED)
-        common = {name: value for name, value in self.options.items() if not (weighed and name in _WEIGHED)}
+        weighed = any(name in task.options for name in WEIGHED)
+        common = {name: value for name, value in self.options.items() if not (weighed and name in WEIGHED)}
         return {**common, **task.options}
 
     def failed(self, task: Task, state: State, why: str) -> Answer:
@@ -188,7 +188,7 @@ def within(seconds: float | None, function: Callable[[], T], otherwise: T) -> T:
     results: list[T] = []
     thread = threading.Thread(target=lambda: results.append(function()), daemon=True)
     thread.start()
-    thread.join(seconds)
+    thread.join(min(seconds, threading.TIMEOUT_MAX))
     return results[0] if results else otherwise
 
 
@@ -272,9 +272,9 @@ def _part(file: str, options: Mapping[str, Any], row: Row) -> tuple[Any, dict[st
     """Return the part in a file, and the options that are not those of reading."""
     from inertia.mesh.read import read
 
-    part = read(file, **{name: options[name] for name in _READ if name in options})
+    part = read(file, **{name: options[name] for name in READ if name in options})
     row.update(sha256=part.source.sha256, unit=part.unit.name, unit_from=part.unit_from)
-    return part, {name: value for name, value in options.items() if name not in _READ}
+    return part, {name: value for name, value in options.items() if name not in READ}
 
 
 def _analyse(file: str, options: Mapping[str, Any], row: Row, worded: _Worded) -> None:
@@ -384,9 +384,10 @@ def _audited(file: str, options: Mapping[str, Any], row: Row, worded: _Worded) -
     if differences:
         for column, name in (("worst_mass", "mass"), ("worst_com", "center_of_mass"), ("worst_inertia", "inertia")):
             row[column] = max(float(difference[name]) for difference in differences)
-    wrong = [link for link in links if link["state"] in ("inconsistent", "unphysical") and link["findings"]]
-    if wrong:
-        row["message"] = worded(f"{wrong[0]['name']}: {wrong[0]['findings'][0]['sentence']}")
+    to_blame = {"inconsistent": ("inconsistent", "unphysical"), "undecided": ("unjudged",)}.get(document["verdict"], ())
+    told = [link for link in links if link["state"] in to_blame and link["findings"]]
+    if told:
+        row["message"] = worded(f"{told[0]['name']}: {told[0]['findings'][0]['sentence']}")
 
 
 def _balance(file: str, options: Mapping[str, Any], row: Row, worded: _Worded) -> None:
@@ -425,8 +426,10 @@ def _balance(file: str, options: Mapping[str, Any], row: Row, worded: _Worded) -
         row[f"residual_{plane}_gmm"], row[f"residual_{plane}_deg"] = after[k]["unbalance"].values()
         row[f"bound_{plane}_gmm"] = sum(after[k]["uncertainty_gmm"].values())
         row[f"residual_95_{plane}_gmm"] = scatter["residual_95_gmm"][k]
-    if document["why"]:
-        row["message"] = worded(document["why"][0])
+    correction = document["correction"]
+    hurried = [correction["why"]] if correction is not None and correction["cut_short"] else []  # as the load allowed
+    if why := [*document["why"][:1], *hurried]:
+        row["message"] = worded("; ".join(why))
 
 
 _VERBS: dict[str, Callable[[str, Mapping[str, Any], Row, _Worded], None]] = {

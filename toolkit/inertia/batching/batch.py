@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from collections.abc import Callable, Container, Iterable, Iterator
+from contextlib import suppress
 from difflib import get_close_matches
 from numbers import Integral, Real
 from operator import index
 from pathlib import Path
 from typing import Any
 
-from inertia.batching.answer import Row, Setup
+from inertia.batching.answer import READ, WEIGHED, Row, Setup
 from inertia.batching.columns import COLUMNS
 from inertia.batching.engines import Engine, Processes, in_order, processors
 from inertia.batching.sources import OPTIONS, Task, tasks_of
-from inertia.errors import Remedy, UsageError, Wording
+from inertia.errors import GeometryError, InertiaError, ReadError, Remedy, UsageError, Wording
 from inertia.mass.density import densities
 from inertia.mesh.readers.compressed import UNPACK_LIMIT
 from inertia.units import length_unit
@@ -94,9 +96,44 @@ def setup_for(
         length_unit(options["unit"])
     if verb == "analyse":
         densities(options.get("density"), options.get("material"), options.get("mass"))
+    for name, value in options.items():
+        _require_usable(verb, name, value)
     # The worker hands its limit on to the system, which takes whole numbers only.
     limits = None if timeout is None else float(timeout), None if memory is None else math.ceil(memory)
     return Setup(verb, options, *limits, wording)
+
+
+def _require_usable(verb: str, name: str, value: Any) -> None:
+    """Raise `UsageError` where a verb refuses the value of an option whatever the file: it is tried on next to none."""
+    with warnings.catch_warnings(), suppress(ReadError, GeometryError, ArithmeticError):
+        warnings.simplefilter("ignore", RuntimeWarning)
+        try:
+            _try(verb, name, value)
+        except (TypeError, ValueError) as error:
+            if isinstance(error, InertiaError):
+                raise
+            raise UsageError(f"{name} is {value!r}: give {OPTIONS[verb][name].holds}") from None
+
+
+def _try(verb: str, name: str, value: Any) -> None:
+    if verb == "balance":
+        from inertia.balancing.rotor_fields import PlanFields
+
+        PlanFields(**{name: value})
+    elif verb == "audit":
+        from inertia.auditing.audit import audit
+
+        audit(os.devnull, **{"densities" if name == "density" else name: value})
+    elif name in READ:
+        from inertia.mesh.read import read
+
+        read(os.devnull, **{name: value})
+    elif name not in WEIGHED:
+        from inertia.mass.analyse import analyse
+        from inertia.mesh.part import Part
+
+        corners, faces = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+        analyse(Part.from_arrays(corners, faces, unit="mm"), **{name: value})
 
 
 def _unknown(name: str, verb: str, known: list[str], wording: Wording) -> UsageError:
@@ -146,7 +183,8 @@ def sharded(tasks: list[Task], shard: tuple[int, int] | None) -> list[Task]:
     except (TypeError, ValueError):
         raise UsageError(f"shard is {shard!r}: give two whole numbers, as (3, 8)") from None
     if not 1 <= number <= count:
-        raise UsageError(f"shard {number} of {count} is none: the first is 1, the last {count}")
+        which = f"the first is 1, the last {count}" if count > 0 else "there is at least one"
+        raise UsageError(f"shard {number} of {count} is none: {which}")
     return tasks[number - 1 :: count]
 
 

@@ -23,7 +23,7 @@ import inertia
 from inertia.batching.answer import Answer, Setup
 from inertia.batching.process import READY
 from inertia.batching.sources import Task
-from inertia.errors import InertiaError
+from inertia.errors import InertiaError, Remedy
 
 _BUNDLE = 0.05
 """s that a bundle of files is to take: less costs more in messages, more leaves workers idle at the end."""
@@ -32,6 +32,7 @@ _MOST = 64  # files in a bundle
 _LOOK = 0.1  # s between looks at what takes too long
 _GATHER = 0.01  # s in which answers gather: waking up for each costs more than to write its row
 _STARTS = 10  # times that a process may die before it is ready
+_JOBS = Remedy("batch", "jobs", "N")
 
 _ALLOCATION = {"MALLOC_MMAP_THRESHOLD_": str(2**25), "MALLOC_TRIM_THRESHOLD_": str(2**26)}
 """What the C library on Linux comes to by itself once 32 MiB were freed: memory is not given back from file to file."""
@@ -61,7 +62,7 @@ class Engine(Protocol):
 
 
 class Processes:
-    """Workers on this machine, a thread for each that talks to it."""
+    """Workers on this machine, a thread for each that talks to it; no more of them than files have been submitted."""
 
     window = 4096
 
@@ -69,15 +70,23 @@ class Processes:
         self._setup = setup
         self._jobs: queue.SimpleQueue[_Job | None] = queue.SimpleQueue()
         self._answers: queue.SimpleQueue[tuple[int, Answer] | BaseException] = queue.SimpleQueue()
-        self._workers = [_Worker(setup) for _ in range(jobs)]
+        self._most = jobs
+        self._workers: list[_Worker] = []
+        self._threads: list[threading.Thread] = []
         self._next_look = 0.0
-        self._threads = [threading.Thread(target=self._serve, args=(worker,), daemon=True) for worker in self._workers]
-        for thread in self._threads:
-            thread.start()
 
     def submit(self, number: int, task: Task) -> None:
         """Have a file answered for."""
         self._jobs.put(_Job(number, task))
+        if len(self._workers) < self._most:
+            worker = _Worker(self._setup)
+            thread = threading.Thread(target=self._serve, args=(worker,), daemon=True)
+            self._workers.append(worker)
+            try:
+                thread.start()
+            except RuntimeError as error:  # the system has no more
+                raise _too_many(str(error)) from None
+            self._threads.append(thread)
 
     def results(self) -> list[tuple[int, Answer]]:
         """Wait for answers, and return those that there are."""
@@ -188,13 +197,16 @@ class _Worker:
         alone = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
         quiet = None if os.environ.get("INERTIA_TRACEBACK") == "1" else subprocess.DEVNULL
         for _ in range(_STARTS):
-            process = subprocess.Popen(
-                command,
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=quiet,
-                env={**_ALLOCATION, **os.environ, **alone},
-            )
+            try:
+                process = subprocess.Popen(
+                    command,
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=quiet,
+                    env={**_ALLOCATION, **os.environ, **alone},
+                )
+            except OSError as error:
+                raise _too_many(error.strerror or str(error)) from None
             self._process = process
             if self._ended:
                 process.kill()
@@ -237,6 +249,10 @@ class _Worker:
                 if stream is not None:
                     stream.close()
         return process.wait()
+
+
+def _too_many(why: str) -> InertiaError:
+    return InertiaError(f"not all worker processes could be started ({why}): ask for fewer by ", _JOBS, code="workers")
 
 
 def in_order(

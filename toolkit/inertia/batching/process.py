@@ -62,5 +62,6 @@ def limit_memory(extra: int) -> None:
 
     data = re.search(r"VmData:\s*(\d+) kB", Path("/proc/self/status").read_text())
     assert data is not None
-    limit = 1024 * int(data[1]) + extra
+    most = resource.getrlimit(resource.RLIMIT_DATA)[1]  # nobody but root may go beyond it
+    limit = min(1024 * int(data[1]) + extra, sys.maxsize if most == resource.RLIM_INFINITY else most)
     resource.setrlimit(resource.RLIMIT_DATA, (limit, limit))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import glob
 import io
 import os
@@ -19,6 +20,7 @@ from inertia.encoding import text_of
 from inertia.errors import ReadError, Remedy, UsageError, placed, visible
 from inertia.estimate import Estimate, relative_figure, scale_of
 from inertia.mesh.readers.compressed import ARCHIVE, UNPACK_LIMIT, is_packed, member_copy, meshes_in
+from inertia.mesh.readers.contents import alone
 from inertia.output import note_input, temporary_folder
 from inertia.standard_input import NAME as STANDARD_INPUT
 from inertia.standard_input import NO_FILE, reason_of
@@ -38,7 +40,7 @@ class Task(NamedTuple):
     ----------
     path : as the row has it
     options : its own, beside those of all files
-    archive, member : where it lies in an archive: that, and the name in it; "" of an archive that is not opened
+    archive, member : where it lies in an archive: that, and the name in it; "" of an archive or URL that is not opened
     """
 
     path: str
@@ -52,6 +54,10 @@ class Cell(NamedTuple):
 
     read: Callable[[str], Any]
     holds: str
+
+
+class _TwiceError(ValueError):
+    """A name in a cell that has two values."""
 
 
 def _flag(text: str) -> bool:
@@ -68,8 +74,13 @@ def _by_name(cell: Cell) -> Cell:
     def value(text: str) -> Any:
         if "=" not in text:
             return cell.read(text)
-        pairs = (entry.rpartition("=") for entry in text.split(";"))
-        return {name.strip(): cell.read(one) for name, _, one in pairs}
+        values: dict[str, Any] = {}
+        for entry in text.split(";"):
+            name, _, one = entry.rpartition("=")
+            if (name := name.strip()) in values:
+                raise _TwiceError(repr(visible(name)) if name else "the part")
+            values[name] = cell.read(one)
+        return values
 
     return Cell(value, f"{cell.holds}, or one for each region or body as housing=2700; shaft=7850")
 
@@ -164,9 +175,11 @@ def _lines() -> Iterator[str]:
     if data.startswith((BOM_UTF16_LE, BOM_UTF16_BE)):  # as PowerShell writes
         data = data.decode("utf-16", "replace").encode()
     data = data.removeprefix(BOM_UTF8)
-    for name in data.split(b"\0" if b"\0" in data else b"\n"):
-        if line := name.rstrip(b"\r").decode(sys.getfilesystemencoding(), "surrogateescape"):
-            yield line
+    # A line may end as on Windows; with zero bytes between them, names are as they stand.
+    names = data.split(b"\0") if b"\0" in data else [line.rstrip(b"\r") for line in data.split(b"\n")]
+    for name in names:
+        if name:
+            yield name.decode(sys.getfilesystemencoding(), "surrogateescape")
 
 
 def _matching(pattern: str) -> list[str]:
@@ -178,7 +191,7 @@ def _matching(pattern: str) -> list[str]:
     with suppress(OSError):  # it may be too long for a name
         if Path(pattern).exists():
             return [pattern]
-    names = sorted({name for name in _globbed(pattern) if not Path(name).is_dir()})
+    names = sorted({name for name in _globbed(pattern) if not os.path.isdir(name)})  # noqa: PTH112  # never raises
     if not names:
         raise UsageError(f"{visible(pattern)} matches no file: check it, with quotation marks round it in a shell")
     return names
@@ -187,6 +200,7 @@ def _matching(pattern: str) -> list[str]:
 def _globbed(pattern: str) -> Iterator[str]:
     """Yield what a glob matches; ``**`` passes over links to folders that it is in already, which have no end."""
     before, *behind = _ANYWHERE.split(pattern, maxsplit=1)
+    _require_listed(before)
     if not behind:
         yield from glob.iglob(pattern)  # noqa: PTH207  # `Path.glob` rewrites the names
         return
@@ -196,13 +210,43 @@ def _globbed(pattern: str) -> Iterator[str]:
             yield from _globbed(glob.escape(folder) + rest)
 
 
+_NO_FOLDER = (errno.ENOENT, errno.ENOTDIR, errno.ELOOP, errno.ENAMETOOLONG)
+
+
+def _require_listed(pattern: str) -> None:
+    """Raise `ReadError` where a folder that a glob looks through may not be, which `glob` passes over in silence."""
+    above, name = os.path.split(pattern)
+    if glob.has_magic(above):
+        _require_listed(above)
+    elif not glob.has_magic(name):
+        return
+    for folder in glob.iglob(above) if glob.has_magic(above) else [above]:  # noqa: PTH207
+        try:
+            if glob.has_magic(name):
+                os.scandir(folder or ".").close()
+            else:
+                Path(folder, name).lstat()
+        except ValueError:  # a name that no file can have
+            continue
+        except OSError as error:
+            _require_no_folder(folder, error)
+
+
+def _require_no_folder(folder: str, error: OSError) -> None:
+    """Raise `ReadError` where a folder cannot be listed, unless it is none: its files would be missing unnoticed."""
+    if error.errno not in _NO_FOLDER:
+        says = f"{reason_of(error)}, or give the files that are meant by name"
+        raise ReadError(f"cannot list {visible(folder) or '.'}: {says}", code="no_file") from None
+
+
 def _folders(folder: str, above: tuple[tuple[int, int], ...] = ()) -> Iterator[str]:
     """Yield a folder and all that lie in it and are not hidden, each with a separator behind its name."""
     try:
         status = Path(folder).stat()
         with os.scandir(folder or ".") as entries:
-            names = [entry.name for entry in entries if not entry.name.startswith(".") and Path(entry).is_dir()]
-    except OSError:
+            names = [entry.name for entry in entries if not entry.name.startswith(".") and _may_be_folder(entry)]
+    except OSError as error:
+        _require_no_folder(folder, error)
         return
     own = status.st_dev, status.st_ino
     if own in above:
@@ -210,6 +254,13 @@ def _folders(folder: str, above: tuple[tuple[int, int], ...] = ()) -> Iterator[s
     yield folder
     for name in names:
         yield from _folders(f"{folder}{name}{os.sep}", (*above, own))
+
+
+def _may_be_folder(entry: os.DirEntry[str]) -> bool:
+    try:
+        return entry.is_dir()
+    except OSError as error:  # of a link
+        return error.errno not in _NO_FOLDER
 
 
 def _require_back_end(url: str) -> None:
@@ -222,7 +273,8 @@ def _require_back_end(url: str) -> None:
     except ImportError as missing:
         raise UsageError(f"{visible(url)}: {missing}: install what reads such URLs") from None
     except ValueError as error:
-        raise UsageError(f"{visible(url)}: {error}") from None
+        says = f"{visible(url)}: {error}: check how it begins, or copy the file to this machine"
+        raise UsageError(says) from None
 
 
 def _remote(pattern: str) -> list[str]:
@@ -235,7 +287,8 @@ def _remote(pattern: str) -> list[str]:
         system, path = fsspec.core.url_to_fs(pattern)
         if not glob.has_magic(path):  # what looks like one is a question to a server
             return [pattern]
-        names = sorted(system.unstrip_protocol(name) for name in system.glob(path))
+        chain_behind = "".join(pattern.partition("://")[2].partition("::")[1:])  # as of zip://*.stl::https://...
+        names = sorted(f"{system.unstrip_protocol(name)}{chain_behind}" for name in system.glob(path))
     except Exception as error:  # of whatever back end it is
         raise ReadError(f"{visible(pattern)} cannot be listed: {visible(str(error))}") from None
     if not names:
@@ -248,10 +301,11 @@ def _members(task: Task, verb: str, unpack_limit: float) -> Iterator[Task]:
     if task.path == STANDARD_INPUT:  # which an argument alone stands for: among files, one has that name
         task = task._replace(path=f".{os.sep}{STANDARD_INPUT}")
     names: list[str] = []
-    if _is_archive(task.path):
-        if "unpack_limit" not in OPTIONS[verb]:
-            yield task._replace(archive=task.path)
-            return
+    is_archive = _is_archive(task.path)
+    if "unpack_limit" not in OPTIONS[verb] and (is_archive or _URL.match(task.path)):
+        yield task._replace(archive=task.path)
+        return
+    if is_archive:
         with suppress(ReadError, OSError):  # it is said of the archive when it is its turn
             names = meshes_in(Path(task.path), task.options.get("unpack_limit", unpack_limit))
     if len(names) < 2 and not any(map(is_packed, names)):
@@ -274,18 +328,22 @@ def _rows(manifest: str, verb: str) -> Iterator[Task]:
     known = OPTIONS[verb]
     path = Path(manifest)
     folder = Path() if path.is_relative_to("/dev") else path.parent  # no file lies beside a pipe of the shell's
+    is_csv = path.suffix.lower() != ".parquet"
     number = None
     for number, row in _records(manifest):
         where = f"{visible(manifest)}, row {number}"
         column = next((name for name in _PATHS if name in row), None)
         if column is None:
+            listed = ", ".join(repr(visible(name)) for name in row)
+            commas = ", and put commas between columns" if is_csv else ""
             raise UsageError(
-                f"{visible(manifest)} has no column 'path', but {', '.join(repr(visible(name)) for name in row)}: name "
-                "the column of paths so, and put commas between columns"
+                f"{visible(manifest)} has no column 'path', but {listed}: name the column of paths so{commas}"
             )
         name, options = row[column], {}
         if name is not None and not isinstance(name, str):
             raise UsageError(f"{where}: the path is {visible(str(name))}, which is no text")
+        if name and is_csv:
+            name = _file_of_cell(name, folder, where)
         for option, value in row.items():
             if option == column or not option or option.startswith("#") or value in (None, ""):
                 continue
@@ -296,6 +354,8 @@ def _rows(manifest: str, verb: str) -> Iterator[Task]:
                 )
             try:
                 options[option] = known[option].read(str(value).strip())
+            except _TwiceError as twice:
+                raise UsageError(f"{where}: {option} is given twice for {twice}: give it once") from None
             except ValueError:
                 raise UsageError(f"{where}: {option} is {visible(str(value))!r}: give {known[option].holds}") from None
         if not name:
@@ -303,6 +363,25 @@ def _rows(manifest: str, verb: str) -> Iterator[Task]:
         yield Task(name if _URL.match(name) else str(folder / name), options)
     if number is None:
         raise UsageError(f"{visible(manifest)} names no file: give it a row for each")
+
+
+def _file_of_cell(cell: str, folder: Path, where: str) -> str:
+    """Return the file that a cell of CSV names, whose apostrophe may be its own, or the one before a formula."""
+    text = cell_text(cell)
+    if text == cell or not os.path.lexists(folder / cell):
+        return text
+    if os.path.lexists(folder / text):
+        raise UsageError(
+            f"{where}: the path {visible(cell)} may be that file or {visible(text)}, and both are there: put ./ before "
+            "the one that is meant"
+        )
+    return cell
+
+
+def _require_once(manifest: str, names: list[str]) -> None:
+    twice = next((name for name in names if name and names.count(name) > 1), None)
+    if twice is not None:
+        raise UsageError(f"{visible(manifest)} has two columns {visible(twice)!r}: leave one out")
 
 
 def _records(manifest: str) -> Iterator[tuple[int, Mapping[str, Any]]]:
@@ -314,8 +393,9 @@ def _records(manifest: str) -> Iterator[tuple[int, Mapping[str, Any]]]:
     if path.suffix.lower() == ".parquet":
         pyarrow = load_pyarrow()
         try:
-            batches = pyarrow.parquet.ParquetFile(path).iter_batches()
-            yield from enumerate(chain.from_iterable(batch.to_pylist() for batch in batches), 2)
+            file = pyarrow.parquet.ParquetFile(path)
+            _require_once(manifest, file.schema_arrow.names)
+            yield from enumerate(chain.from_iterable(batch.to_pylist() for batch in file.iter_batches()), 2)
         except OSError as error:
             raise _unreadable(manifest, error) from None
         except pyarrow.ArrowException as error:
@@ -328,9 +408,7 @@ def _records(manifest: str) -> Iterator[tuple[int, Mapping[str, Any]]]:
         for number, cells in enumerate(rows, 1):
             if not names:
                 names = cells
-                twice = next((name for name in names if name and names.count(name) > 1), None)
-                if twice is not None:
-                    raise UsageError(f"{visible(manifest)} has two columns {visible(twice)!r}: leave one out")
+                _require_once(manifest, names)
                 continue
             if any(cells[len(names) :]):
                 raise UsageError(
@@ -339,7 +417,7 @@ def _records(manifest: str) -> Iterator[tuple[int, Mapping[str, Any]]]:
                 )
             if cells:
                 values = zip(names, chain(cells, repeat("")), strict=False)
-                yield number, {name: cell_text(value) for name, value in values if name}
+                yield number, {name: value if name in _PATHS else cell_text(value) for name, value in values if name}
     except csv.Error as error:
         raise ReadError(
             f"cannot read {visible(manifest)}: it is no CSV ({error}): write it again", code="table"
@@ -376,18 +454,18 @@ def local_copy(task: Task, unpack_limit: float | None = None) -> Iterator[str]:
                 raise _unreadable(task.path, error) from None
             yield str(path)
     elif task.archive:
-        says = (
-            f"cannot read {visible(task.path)}: archives are opened for meshes only: unpack it and give the files in it"
-        )
-        raise ReadError(says, code="not_read")
+        says = "archives are opened for meshes only: unpack it and give the files in it"
+        if _URL.match(task.path):
+            says = "URLs are read of meshes only: copy it to this machine, with the files that it refers to"
+        raise ReadError(f"cannot read {visible(task.path)}: {says}", code="not_read")
     elif _URL.match(task.path):
-        with temporary_folder() as folder:
-            path = folder / f"part{Path(task.path).suffix}"
+        with temporary_folder() as folder, alone():
             _require_back_end(task.path)
             import fsspec
 
             try:
                 system, name = fsspec.core.url_to_fs(task.path)
+                path = folder / f"part{Path(name).suffix}"  # of a chain, the suffix of the file in it
                 system.get_file(name, str(path))
             except FileNotFoundError:
                 says = f"cannot read {visible(task.path)}: there is no such file: check the URL"

@@ -18,7 +18,8 @@ from inertia.report.numerals import row as line
 from inertia.report.numerals import significant
 
 _LISTED = 10
-_FIGURES = re.compile(r"[-+]?\d[\d.,]*(?:e[-+]?\d+)?")
+_FIGURES = re.compile(r"(?<![\w.+-])[-+]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?(?!\w|[.,]\w)")
+"""Numbers that stand alone: those in names, as 3mf, UTF-8 or part-2.stl, are none."""
 
 _MORE = re.compile(r" \([^()]*\bmore faults?\)|; [^;]* gives an answer whose bound covers the faults$")
 

@@ -7,12 +7,13 @@ have the same contents, the row counts.
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import re
 import time
-from collections.abc import Callable, Sequence
-from contextlib import closing, suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager, suppress
 from contextvars import Context
 from hashlib import sha256
 from itertools import zip_longest
@@ -25,9 +26,9 @@ from inertia.batching.columns import COLUMNS, SCHEMA
 from inertia.batching.engines import Engine, in_order
 from inertia.batching.sources import Task
 from inertia.batching.summary import Summary
-from inertia.errors import ReadError, UsageError
+from inertia.errors import ReadError, UsageError, WriteError
 from inertia.output import note_input, write_whole
-from inertia.tables import read_table, table_writer
+from inertia.tables import read_table, require_table, table_writer
 
 _SOON, _LATER = 0.5, 0.02
 """s after which a part is written, and the share of the time so far that it is later on: there are few parts, then."""
@@ -43,6 +44,7 @@ def write_batch(
     *,
     shard: tuple[int, int] | None = None,
     everything: Sequence[Task] = (),
+    force: bool = False,
     timings: bool = False,
     progress: Callable[[Summary], None] | None = None,
 ) -> Summary:
@@ -50,14 +52,14 @@ def write_batch(
 
     Parameters
     ----------
-    path : of the table, which may be there already only where it is to be replaced; None to print JSON lines, of
-        which no part is kept
+    path : of the table; None to print JSON lines, of which no part is kept
     tasks : the files
     everything : those of all shards, where there are any
     engine : called where there is something to answer for
     shard : which of how many the tasks are
+    force : whether a table that is there already, or comes meanwhile, is replaced
     timings : whether the seconds stand in the table, whose bytes are then never the same
-    progress : called with the summary so far after each row
+    progress : called with the states of all files so far, in a summary, as each is answered for, whatever its turn
     """
     about = {
         "schema": SCHEMA,
@@ -68,17 +70,32 @@ def write_batch(
     }
     for task in tasks:
         note_input(Path(task.archive or task.path))
-    summary = Summary(setup.verb, len(tasks))
+    summary, so_far = Summary(setup.verb, len(tasks)), Summary(setup.verb, len(tasks))
     parts = Parts(None if path is None else path.with_name(f"{path.name}.parts"), setup)
     with table_writer(path, COLUMNS[setup.verb], about) as write, closing(parts):
-        known = (parts.answer(task) or task for task in tasks)
-        answers = in_order(known, engine, lambda number, answer: parts.add(tasks[number], answer))
-        with closing(answers):
+
+        def seen(answer: Answer) -> None:
+            so_far.states[answer.row["state"]] += 1
+            so_far.stored += answer.stored
+            if progress is not None:
+                progress(so_far)
+
+        def known() -> Iterator[Task | Answer]:
+            for task in tasks:
+                if (answer := parts.answer(task)) is not None:
+                    seen(answer)
+                yield answer or task
+
+        def arrived(number: int, answer: Answer) -> None:
+            parts.add(tasks[number], answer)
+            seen(answer)
+
+        with closing(in_order(known(), engine, arrived)) as answers:
             for answer in answers:
                 summary.count(answer.row, answer.stored)
                 write(answer.row if timings else {**answer.row, "seconds": None})
-                if progress is not None:
-                    progress(summary)
+        if path is not None and not force:
+            require_table(str(path))  # another run may have written it meanwhile; the parts are kept then
     parts.remove()
     return summary
 
@@ -103,22 +120,32 @@ class Parts:
     def __init__(self, folder: Path | None, setup: Setup) -> None:
         self._folder, self._setup = folder, setup
         self._limits = [setup.timeout, setup.memory]
-        if folder is not None and folder.exists() and not folder.is_dir():
-            raise UsageError(f"{folder}, where finished rows are kept, is no folder: remove it, or name another table")
+        with self._faults():
+            if folder is not None and folder.exists() and not folder.is_dir():
+                says = f"{folder}, where finished rows are kept, is no folder: remove it, or name another table"
+                raise UsageError(says)
         self._rows: list[bytes] = []
         self._started = self._saved = time.monotonic()
         self._places: dict[bytes, tuple[Path, int]] = {}
-        for path in self._files():
-            self._index(path)
+        with self._faults():
+            self._paths = self._files()
+            for path in self._paths:
+                with suppress(FileNotFoundError):  # it was another run's, whose table is whole
+                    self._index(path)
+            if folder is not None and folder.is_dir() and not os.access(folder, os.W_OK | os.X_OK):
+                raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
 
     def answer(self, task: Task) -> Answer | None:
         """Return what was answered for a file, if it still stands."""
         if (place := self._places.get(self._key(task))) is None:
             return None
         path, offset = place
-        with path.open("rb") as file:
-            file.seek(offset)
-            entry = json.loads(file.readline())
+        try:
+            with path.open("rb") as file:
+                file.seek(offset)
+                entry = json.loads(file.readline())
+        except FileNotFoundError:  # it was another run's
+            return None
         row, files = entry["row"], [Used(*each) for each in entry["files"]]
         # What could not be read may have been written meanwhile; limits may keep any file from an answer.
         if row["state"] == "unreadable" or (row["state"] != "answered" and entry["limits"] != self._limits):
@@ -146,10 +173,10 @@ class Parts:
         self._save()
 
     def remove(self) -> None:
-        """Remove all parts: the table is whole."""
+        """Remove the parts that were there and that this run has written: the table is whole."""
         with suppress(OSError):
-            for path in self._files():
-                path.unlink()
+            for path in self._paths:
+                path.unlink(missing_ok=True)
             if self._folder is not None:
                 self._folder.rmdir()
 
@@ -160,11 +187,24 @@ class Parts:
 
     def _save(self) -> None:
         if self._rows and self._folder is not None:
-            self._folder.mkdir(exist_ok=True)
+            with self._faults():
+                self._folder.mkdir(exist_ok=True)
             path = self._folder / f"{os.urandom(8).hex()}.jsonl"
+            self._paths.append(path)
             Context().run(write_whole, path, b"".join(self._rows))  # at once, and not together with the table
         self._rows.clear()
         self._saved = time.monotonic()
+
+    @contextmanager
+    def _faults(self) -> Iterator[None]:
+        """Say which folder cannot be used, and what to do about it."""
+        try:
+            yield
+        except OSError as error:
+            raise WriteError(
+                f"{self._folder}, where finished rows are kept, cannot be used ({error.strerror or error}): name "
+                "another table, or remove it"
+            ) from None
 
     def _index(self, path: Path) -> None:
         with path.open("rb") as file:
@@ -188,19 +228,20 @@ def merge(path: Path, tables: Sequence[Path]) -> Summary:
     opened = [read_table(each) for each in tables]
     abouts = [{name: value for name, value in about.items() if name not in ("shard", "files")} for about, _ in opened]
     for each, about in zip(tables, abouts, strict=True):
-        if about.get("schema") != SCHEMA:
+        if about.get("schema") != SCHEMA or str(about.get("verb")) not in COLUMNS:
             raise ReadError(f"cannot read {each}: it is no table of a batch")
         if about != abouts[0]:
             raise UsageError(f"{each} was made with another version, verb or other options than {tables[0]}")
-    shards = [tuple(about.get("shard", ())) for about, _ in opened]
+    shards = [_shard_of(each, about) for each, (about, _) in zip(tables, opened, strict=True)]
     count = shards[0][1] if shards[0] else 0
-    missing = set(range(1, count + 1)) - {shard[0] for shard in shards if shard}
+    numbers = {shard[0] for shard in shards if shard}
+    missing = next((number for number in range(1, count + 1) if number not in numbers), None)
     if missing or len(shards) != count or any(shard[1:] != (count,) for shard in shards):
-        which = f"shard {min(missing)} of {count} is missing" if missing else "they are not the shards of one batch"
+        which = f"shard {missing} of {count} is missing" if missing else "they are not the shards of one batch"
         raise UsageError(f"{which}: give the table of each shard, once")
     lists = [about.get("files") or {} for about, _ in opened]
     for each, files in zip(tables, lists, strict=True):
-        if "count" not in files:
+        if not isinstance(files, dict) or not isinstance(files.get("count"), int):
             raise ReadError(f"cannot read {each}: it does not say how many files there are: run its shard again")
         if files != lists[0]:
             raise UsageError(f"{each} is of another list of files than {tables[0]}: run all shards again on one list")
@@ -221,3 +262,11 @@ def merge(path: Path, tables: Sequence[Path]) -> Summary:
             if lengths[k] != (wanted := len(range(number - 1, lists[0]["count"], count))):
                 raise ReadError(f"cannot read {tables[k]}: it has {lengths[k]} of {wanted} rows: run its shard again")
     return summary
+
+
+def _shard_of(table: Path, about: Mapping[str, Any]) -> tuple[int, ...]:
+    """Return which of how many shards a table is; empty where it is none."""
+    shard = about.get("shard", [])
+    if not isinstance(shard, list) or len(shard) not in (0, 2) or not all(isinstance(k, int) for k in shard):
+        raise ReadError(f"cannot read {table}: it is shard {shard!r}, and not one as [3, 8]: run its shard again")
+    return tuple(shard)

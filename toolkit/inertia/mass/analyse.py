@@ -37,6 +37,7 @@ from inertia.mass.small import small_properties
 from inertia.mass.tensor import exact_point
 from inertia.mass.triangles.arithmetic import FINEST
 from inertia.mesh.checks.findings import Finding
+from inertia.mesh.external.memory import require_memory
 from inertia.mesh.geometry.simple import MOST
 from inertia.mesh.part import Cells, Part
 from inertia.mesh.surface import Facets, Surface
@@ -230,8 +231,8 @@ def analyse(
         if shell is not None or wire is not None:
             raise UsageError("faults are allowed for in the surface of a solid only: leave that out")
 
-    if memory is not None and not (isinstance(memory, Real) and 0 < memory < math.inf):
-        raise UsageError(f"memory is {memory!r}: it must be positive and finite, in bytes")
+    if memory is not None:
+        require_memory(memory)
     limit = math.inf if memory is None and dask is not None else memory
     if limit is not None:
         from inertia.mass.external import answered_at_once, require_external

@@ -14,20 +14,21 @@ import numpy as np
 
 from inertia.arrays import Float, Progress
 from inertia.errors import UsageError
-from inertia.mass.integration import Group, Integral, naming, refuse_faults, refuse_flat, surface_area
+from inertia.mass.integration import Group, Integral, naming, refuse_faults, refuse_flat, sums_of_small, surface_area
 from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, arithmetics, shell_moments, solid_moments
-from inertia.mass.triangles.sums import Frame, SummedFacets, block_rows, frame_of, sum_triangles, sums_of
+from inertia.mass.triangles.sums import Frame, SummedFacets, Sums, block_rows, frame_of, sum_triangles, sums_of
 from inertia.mesh.checks.edge_faults import edge_faults, shell_findings
 from inertia.mesh.checks.findings import Finding, counted
-from inertia.mesh.external.closure import Pairing, external_closure, room_for
-from inertia.mesh.external.memory import RESERVE, WHOLE, fits, in_bytes, resident
+from inertia.mesh.external.closure import Pairing, external_closure, room_for, room_to_look
+from inertia.mesh.external.memory import RESERVE, WHOLE, fits, fits_in_memory, in_bytes, resident
 from inertia.mesh.external.shuffle import DaskWorkers
 from inertia.mesh.external.temporary_file import MEMORY
+from inertia.mesh.geometry.irregular_edges import Irregular
 from inertia.mesh.geometry.shells import Shell, bodies, shells
 from inertia.mesh.geometry.sound_shells import sound_bodies
 from inertia.mesh.part import Part
-from inertia.mesh.surface import FacesInFile, Facets, Triangles
+from inertia.mesh.surface import FacesInFile, Facets, Surface, Triangles
 
 _AMPLE = 1_000_000_000  # bytes beside the least, where workers do what takes most
 _NESTING = 24  # bytes of memory that a triangle takes where shells are looked for in one another
@@ -35,7 +36,12 @@ _NESTING = 24  # bytes of memory that a triangle takes where shells are looked f
 
 def answered_at_once(part: Part, memory: float) -> bool:
     """Say whether a part is analysed in memory, as ever, within so many bytes of this process."""
-    return not isinstance(part.geometry, FacesInFile) and fits(part.geometry.count, memory)
+    geometry = part.geometry
+    if isinstance(geometry, FacesInFile):
+        return False
+    if isinstance(geometry, Surface):
+        return fits_in_memory(geometry.count, memory, geometry.vertices.nbytes + geometry.faces.nbytes)
+    return fits(geometry.count, memory)
 
 
 def require_external(part: Part, memory: float, asked: Collection[str]) -> None:
@@ -47,8 +53,8 @@ def require_external(part: Part, memory: float, asked: Collection[str]) -> None:
     """
     if not isinstance(part.geometry, Facets | FacesInFile):
         raise UsageError(
-            f"{part.name} is {part.source.format}: piece by piece go binary STL files, and binary PLY files of "
-            "triangles: leave the limit of memory, or the Dask workers, out, or write it as one"
+            f"{part.name} is no binary STL file, nor a binary PLY file of triangles alone: only these go piece by "
+            "piece, so leave the limit of memory, or the Dask workers, out, or write it as one"
         )
     if asked and not math.isfinite(memory):
         raise UsageError(f"{' and '.join(asked)} cannot be had from Dask workers: leave one or the other out")
@@ -78,7 +84,7 @@ def external_integrals(
     triangles = part.triangles
     tries = arithmetics(accuracy)
     beside = resident() + RESERVE + triangles.count
-    room = int(min(memory - beside, room_for(triangles.count) + _AMPLE if workers else memory))
+    room = int(memory - beside) if math.isfinite(memory) else room_for(triangles.count) + _AMPLE
     if room < room_for(triangles.count):
         least = 1.02 * (beside + room_for(triangles.count))
         raise UsageError(
@@ -96,19 +102,19 @@ def external_integrals(
             else:
                 sums = sum_triangles(triangles, surface=shell, progress=summing)
         else:
-            frame = frame_of(triangles, surface=shell)
-            sums = sums_of(triangles, frame, workers.over_ranges(_rows, frame, progress=_part_of(progress, 0.0, 0.2)))
+            of_block = None if shell else sums_of_small(triangles)
+            sums = of_block or _sums_by(workers, triangles, shell, _part_of(progress, 0.0, 0.2))
             pairing = external_closure(triangles, room, _part_of(progress, 0.2, 0.9), workers=workers)
     extents = np.array([sums.low, sums.high])
     topology = pairing.closure
     pieces: tuple[Shell, ...] = ()
     doubts: tuple[Finding, ...] = ()
     if not shell:
-        pieces = _shells(part, pairing, room) if topology.open_edges == 0 else ()
-        refuse_faults(part, edge_faults(part, topology, pairing.irregular, pieces, extents, pairing.triangle))
+        pieces = _shells(part, pairing, room, beside) if topology.open_edges == 0 else ()
+        refuse_faults(part, edge_faults(part, topology, pairing.irregular, pieces, extents))
         doubts = _shell_doubts(part, pairing, pieces, extents) if pieces else ()
-    elif pairing.irregular is None:
-        raise _too_little(part, f"{counted(topology.crowded, 'edge')} of more than two triangles")
+    elif topology.crowded:
+        _irregular_of(part, pairing, beside)
     integral = Integral(
         groups=(),
         method=METHODS["float64"],
@@ -134,6 +140,11 @@ def external_integrals(
             refuse_flat(part, whole, extents)
 
 
+def _sums_by(workers: DaskWorkers, triangles: Triangles, shell: bool, progress: Progress | None) -> Sums:
+    frame = frame_of(triangles, surface=shell)
+    return sums_of(triangles, frame, workers.over_ranges(_rows, frame, progress=progress))
+
+
 def _rows(triangles: Triangles, frame: Frame) -> Float:
     """Return the rows of the blocks of some triangles."""
     with np.errstate(invalid="ignore", over="ignore"):
@@ -142,20 +153,28 @@ def _rows(triangles: Triangles, frame: Frame) -> Float:
 
 def _shell_doubts(part: Part, pairing: Pairing, pieces: tuple[Shell, ...], extents: Float) -> tuple[Finding, ...]:
     """Raise `GeometryError` for what is wrong with shells; return what leaves some of the volume in doubt."""
-    assert pairing.irregular is not None
+    assert isinstance(pairing.irregular, Irregular)
     return refuse_faults(part, shell_findings(part, pairing.closure, pairing.irregular, pieces, extents))
 
 
-def _shells(part: Part, pairing: Pairing, room: int) -> tuple[Shell, ...]:
+def _irregular_of(part: Part, pairing: Pairing, beside: float) -> Irregular:
+    """Return the irregular edges; raise `UsageError` where they are too many for the memory."""
+    if isinstance(pairing.irregular, Irregular):
+        return pairing.irregular
+    edges, least = pairing.irregular.crowded, beside + room_to_look(part.triangles.count, pairing.irregular.halves)
+    raise _too_little(part, f"{counted(edges, 'edge')} of more than two triangles", least)
+
+
+def _shells(part: Part, pairing: Pairing, room: int, beside: float) -> tuple[Shell, ...]:
     """Return the shells of a closed surface; none where it has one, or all of them are bodies that lie apart."""
     triangles, topology = part.triangles, pairing.closure
-    if pairing.irregular is None:
-        raise _too_little(part, f"{counted(topology.crowded, 'edge')} of more than two triangles")
+    _irregular_of(part, pairing, beside)
     count = topology.components
     if count == 1 or sound_bodies(triangles, topology, streamed=True) == count:
         return ()
     if not _nests(triangles, room):
-        raise _too_little(part, f"{topology.components} shells, and which of them lie in others,")
+        least = beside + (4 + _NESTING) * triangles.count
+        raise _too_little(part, f"{topology.components} shells, and which of them lie in others,", least)
     return shells(triangles, topology)
 
 
@@ -170,8 +189,9 @@ def _nests(triangles: Triangles, room: int) -> bool:
     return room - 4 * triangles.count >= _NESTING * triangles.count
 
 
-def _too_little(part: Part, what: str) -> UsageError:
-    return UsageError(f"{part.name} has {what} which cannot be looked at in so little memory: allow more by ", MEMORY)
+def _too_little(part: Part, what: str, least: float) -> UsageError:
+    says = f"{part.name} has {what} which cannot be looked at in so little memory: allow {in_bytes(1.02 * least)} by "
+    return UsageError(says, MEMORY)
 
 
 def _note(memory: float, distributed: bool, pieces: tuple[Shell, ...], crowded: int) -> str:

@@ -223,6 +223,11 @@ def _looked_at(triangles: Triangles, intersections: bool | None) -> int | None:
     return _state(triangles)
 
 
+def sums_of_small(triangles: Triangles) -> Sums | None:
+    """Return the sums that a small surface which one pass shows to be simple has; None for any other."""
+    return sum_block(triangles) if _looked_at(triangles, None) == SIMPLE else None
+
+
 def _state(triangles: Triangles) -> int:
     """Return what `states` says of a surface."""
     count = triangles.count

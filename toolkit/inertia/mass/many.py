@@ -25,6 +25,7 @@ from inertia.mass.small import small_sums
 from inertia.mass.triangles.kernels import BLOCK
 from inertia.mesh.geometry.simple import at_hand
 from inertia.mesh.part import Part
+from inertia.mesh.surface import indices
 from inertia.native import Kernel, place
 from inertia.records import dataclass
 from inertia.units import length_unit
@@ -43,8 +44,7 @@ class Many:
     volume, mass : (n,) m³, kg
     center_of_mass : (n, 3) m
     inertia : (n, 3, 3) kg m² about the centre of mass
-    volume_error, inertia_error : (n,) relative bounds, that of the tensor in the Frobenius norm; the mass has that of
-        the volume
+    volume_error, inertia_error : (n,) relative bounds: of volume and mass, and of the tensor in the Frobenius norm
     center_of_mass_error : (n,) m
     refusals : the sentence of each mesh that has no answer, by its number
     """
@@ -126,6 +126,9 @@ def many(
     ['the part', ' inside out']
     """
     size = length_unit(unit)
+    for name, array in (("vertices", vertices), ("faces", faces)):
+        if not hasattr(array, "__len__"):
+            raise UsageError(f"{name} must be arrays, one of each mesh, not {array!r}")
     if offsets is not None:
         vertices, faces = _split(vertices, faces, offsets)
     shared = None if offsets is not None else _shared(faces)
@@ -153,10 +156,12 @@ def many(
 
 def _split(vertices: Any, faces: Any, offsets: tuple[ArrayLike, ArrayLike]) -> list[list[Any]]:
     """Return the rows of each mesh, in two arrays that hold those of all."""
+    if len(offsets) != 2:
+        raise UsageError(f"offsets must be two arrays, of vertices and of faces, not {len(offsets)}")
     meshes = []
     for name, array, starts in zip(("vertices", "faces"), (vertices, faces), offsets, strict=True):
         rows, at = np.asarray(array), np.asarray(starts)
-        if at.ndim != 1 or at.dtype.kind not in "iu" or len(at) == 0 or at[0] < 0 or (np.diff(at) < 0).any():
+        if at.ndim != 1 or at.dtype.kind not in "iu" or len(at) == 0 or at[0] < 0 or (at[1:] < at[:-1]).any():
             raise UsageError(f"the offsets of {name} must be whole numbers from 0 on that ascend")
         if rows.ndim != 2 or rows.shape[1] != 3 or at[-1] > len(rows):
             raise UsageError(
@@ -172,11 +177,14 @@ def _shared(faces: Any) -> Int | None:
         array = np.asarray(faces)
     except ValueError:
         return None  # of several lengths
-    return np.ascontiguousarray(array, np.int64) if array.ndim == 2 and array.dtype.kind in "iu" else None
+    return indices(array) if array.ndim == 2 and array.dtype.kind in "fiu" else None
 
 
 def _weights(density: ArrayLike, count: int) -> Float:
-    weights = np.asarray(density, dtype=np.float64)
+    weights = np.asarray(density)
+    if weights.dtype.kind not in "fiu":
+        raise UsageError(f"density is {density!r}: it must be a number of kg/m³, or one of each mesh")
+    weights = weights.astype(np.float64)
     if weights.shape not in ((), (count,)):
         raise UsageError(f"density must be one number or {count} of them, not of shape {weights.shape}")
     wrong = ~((weights > 0) & np.isfinite(weights))
@@ -225,7 +233,7 @@ def _answer_alone(answer: Many, k: int, vertices: Any, faces: Any, density: floa
         answer.refusals[k] = f"the arrays hold no mesh: {error}"
         return
     answer.volume[k], answer.mass[k], answer.center_of_mass[k] = one.volume, one.mass, one.center_of_mass
-    answer.inertia[k], answer.volume_error[k] = one.inertia, one.error.volume
+    answer.inertia[k], answer.volume_error[k] = one.inertia, max(one.error.volume, one.error.mass)
     answer.center_of_mass_error[k], answer.inertia_error[k] = one.error.center_of_mass, one.error.inertia
 
 

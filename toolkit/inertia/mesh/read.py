@@ -25,6 +25,7 @@ import numpy as np
 
 from inertia.arrays import Float, Progress
 from inertia.errors import ReadError, UsageError, placed, visible
+from inertia.mesh.external.memory import require_memory
 from inertia.mesh.part import Part, Rounding, Source
 from inertia.mesh.readers.comments import commented_unit
 from inertia.mesh.readers.compressed import UNPACK_LIMIT, packed_as, unpacked
@@ -93,6 +94,8 @@ def read(
         raise UsageError(f"unknown format {format!r}: use one of {', '.join(FORMATS)}")
     if not (isinstance(unpack_limit, Real) and 0 < unpack_limit < math.inf):
         raise UsageError(f"unpack_limit is {unpack_limit!r}: it must be positive and finite, in GiB")
+    if memory:  # 0 lets as much stay in the file as can
+        require_memory(memory)
     if not isinstance(path, str | os.PathLike):
         from inertia.mesh.objects import part_of
 

@@ -102,7 +102,7 @@ class RowsInFile:
     """
 
     def __init__(self, path: Path, row: np.dtype[Any], count: int, offset: int) -> None:
-        self._name, self._version, self._row, self._offset = str(path), Version(path), row, offset
+        self.name, self._version, self._row, self._offset = str(path), Version(path), row, offset
         self.count = count
         self._file = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
         self._seeking = threading.Lock()
@@ -117,9 +117,9 @@ class RowsInFile:
             if len(data) < size:
                 raise ReadError(CHANGED, code="changed")
         except OSError as error:
-            raise ReadError(f"cannot read {self._name}: {error.strerror}: check the disk") from error
+            raise ReadError(f"cannot read {self.name}: {error.strerror}: check the disk") from error
         except ReadError as error:
-            raise placed(error, f"cannot read {self._name}") from None
+            raise placed(error, f"cannot read {self.name}") from None
         return np.frombuffer(data, self._row)
 
     def select(self, index: NDArray[Any]) -> NDArray[Any]:
@@ -201,8 +201,8 @@ class Surface:
     counts_once = False
 
     def __init__(self, vertices: ArrayLike, faces: ArrayLike) -> None:
-        self.vertices: Float = np.ascontiguousarray(vertices, dtype=np.float64)
-        self.faces: Int = np.ascontiguousarray(faces, dtype=np.int64)
+        self.vertices: Float = np.ascontiguousarray(_numbers("vertices", vertices, "fiu"), dtype=np.float64)
+        self.faces: Int = indices(faces)
         if self.vertices.ndim != 2 or self.vertices.shape[1] != 3:
             raise UsageError(f"vertices must have shape (n, 3), not {self.vertices.shape}")
         if self.faces.ndim != 2 or self.faces.shape[1] != 3:
@@ -244,6 +244,29 @@ class Surface:
         """Return the triangles picked by an index or mask array; the vertices are shared."""
         places = np.flatnonzero(index) if index.dtype == bool else index
         return Surface._of(self.vertices, self.faces.take(places, axis=0))
+
+
+def indices(faces: ArrayLike) -> Int:
+    """Return faces as int64, contiguous; raise `UsageError` for what are no whole numbers."""
+    array = _numbers("faces", faces, "iuf")
+    if array.dtype.kind == "f" and array.size:
+        whole = (np.floor(array) == array) & (np.abs(array) < 2**53)
+        if not whole.all():
+            raise UsageError(f"faces hold {array[~whole][0]:g}, which is no number of a vertex: give whole numbers")
+    if array.dtype == np.uint64:
+        array = np.minimum(array, np.uint64(2**63 - 1))
+    return np.ascontiguousarray(array, dtype=np.int64)
+
+
+def _numbers(what: str, values: ArrayLike, kinds: str) -> NDArray[Any]:
+    """Return an array of numbers of some kinds; raise `UsageError` for anything else."""
+    try:
+        array = np.asarray(values)
+    except ValueError:  # rows of several lengths
+        array = np.asarray(None)
+    if array.dtype.kind not in kinds:
+        raise UsageError(f"{what} must be an array of {'real' if kinds[0] == 'f' else 'whole'} numbers, (n, 3)")
+    return array
 
 
 class FacesInFile(Surface):
@@ -289,15 +312,16 @@ class FacesInFile(Surface):
         wrong = rows["count"] != 3
         if wrong.any():
             where = "" if first is None else f" {first + int(wrong.argmax())}"
-            raise ReadError(f"face{where} has {rows['count'][wrong][0]} corners, not 3: write triangles only")
+            says = f"face{where} has {rows['count'][wrong][0]} corners, not 3: write triangles only"
+            raise ReadError(f"cannot read {self._rows.name}: {says}")
         faces = rows["corners"].astype(np.int64)
-        beyond = ((faces < 0) | (faces >= len(self.vertices))).any(axis=1)
+        beyond = (faces < 0) | (faces >= len(self.vertices))
         if beyond.any():
-            where = "" if first is None else f" {first + int(beyond.argmax())}"
-            raise GeometryError(
-                f"face{where} names one of the vertices {faces[beyond][0].tolist()}, but these are 0 to "
-                f"{len(self.vertices) - 1}: export the mesh again"
-            )
+            row, corner = np.argwhere(beyond)[0].tolist()
+            where = "" if first is None else f" {first + row}"
+            says = f"face{where} names vertex {rows['corners'][row, corner]}, but the vertices are 0 to "
+            says += f"{len(self.vertices) - 1} (counted from 0): export the mesh again"
+            raise ReadError(f"cannot read {self._rows.name}: {says}", code="node_out_of_range")
         return faces
 
 

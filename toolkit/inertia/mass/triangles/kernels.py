@@ -65,7 +65,7 @@ class BlockKernel:
         rows = table[start // BLOCK : -(-(start + len(records)) // BLOCK)]
         own = *frame, place(scratch), place(rows)
         if isinstance(triangles, Facets):
-            self.facets.function(place(records), len(records), *own)
+            self.facets.function(records.ctypes.data, len(records), *own)
         else:
             self.faces.function(place(triangles.vertices), place(records), len(records), *own)
         return rows

@@ -39,6 +39,7 @@ _LAST_DIGITS = 2.0**-21  # depth of a contact of float32, at most, over the larg
 _TRIED = 3  # places on a patch at which the winding number is asked for
 _CLEAR = 100.0  # how many times deeper than a contact rays must find a crossing, to leave no doubt that it is one
 _CROSSINGS = 10_000  # crossings listed
+_ROUNDING = 1e-13  # of a volume: less than that is what rays find by rounding alone
 
 
 def overlapping_bodies(surface: SurfaceTopology) -> Evidence | None:
@@ -416,8 +417,8 @@ def _misplaced(surface: SurfaceTopology, crossed: Int) -> float:
 
 def _in_words(surface: SurfaceTopology, about: float, doubt: Doubt | None) -> str:
     """Say how much of the volume is in doubt."""
-    if about > 0:
-        volume = abs(sum(shell.signed_volume for shell in surface.shells))
+    volume = abs(sum(shell.signed_volume for shell in surface.shells))
+    if about > _ROUNDING * volume:
         share = f" ({100 * about / volume:.2g} % of the stored volume)" if volume > 0 else ""
         return f": about {about:.2g} {surface.unit}³{share}"
     return ": too little for rays to meet it" if doubt is None else f": up to {doubt.volume:.2g} {surface.unit}³"

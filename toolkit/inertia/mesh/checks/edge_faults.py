@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Float, Int
-from inertia.errors import SHELL, Sentence
+from inertia.errors import REPAIR, SHELL, Sentence
 from inertia.mesh.checks.crossings import crossing_cavities, cutters, overlap_at_edges, overlapping_bodies
-from inertia.mesh.checks.findings import Evidence, Finding, around, listed, middle
+from inertia.mesh.checks.findings import Evidence, Finding, around, counted, listed, middle
 from inertia.mesh.checks.kinds import KINDS, findings
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.closure import Closure
-from inertia.mesh.geometry.irregular_edges import Irregular
+from inertia.mesh.geometry.irregular_edges import Irregular, TooMany
 from inertia.mesh.geometry.shells import Shell, bounds_nothing
 from inertia.mesh.part import Part
 from inertia.mesh.surface import Triangles
@@ -73,32 +73,43 @@ class _Irregular(SurfaceTopology):
 def edge_faults(
     part: Part,
     closure: Closure,
-    irregular: Irregular | None,
+    irregular: Irregular | TooMany,
     shells: tuple[Shell, ...],
     extents: Float,
-    triangle: int | None = None,
 ) -> Iterator[Finding]:
     """Yield the errors that irregular edges are, the most important first.
 
     Parameters
     ----------
-    irregular : None where these are too many to be looked at; then, `triangle` is one that has such an edge, if any has
     shells : of a closed surface; none of others
     extents : (2, 3), of the whole surface
     """
-    if irregular is not None:
+    if isinstance(irregular, Irregular):
         surface = _topology(part, irregular, closure, shells, extents)
         errors = (kind for kind in KINDS if kind.subject == "surface" and kind.severity == "error")
         yield from (finding for kind in errors if (finding := kind.finding(surface)))
     elif closure.open_edges:
-        assert triangle is not None
-        place = middle(part.triangles.corners(triangle, triangle + 1)[0])
-        statement = (
-            f"open: {closure.open_edges} edges without an opposite partner, which are too many to be chained "
-            f"in this memory, one of them {around(place, extents)} at triangle {triangle}"
-        )
-        message = Sentence(statement, ": close the mesh, or use ", SHELL)
-        yield Finding("open", "error", message, closure.open_edges, (triangle,), place)
+        yield from _too_many(part, irregular, extents)
+
+
+def _too_many(part: Part, edges: TooMany, extents: Float) -> Iterator[Finding]:
+    """Yield what is known of irregular edges that are too many to be looked at."""
+    place = middle(part.triangles.corners(edges.triangle, edges.triangle + 1)[0])
+    first = f"the first triangle concerned is {edges.triangle} {around(place, extents)}"
+    for code, count, says, remedies in (
+        ("open", edges.once, "open: {} of one triangle alone", ("close the mesh, or use ", SHELL)),
+        (
+            "inconsistent_winding", edges.same_way, "inconsistent winding: the two triangles run the same way at {}",
+            ("turn the wrong ones, or use ", REPAIR),
+        ),
+        (
+            "non_manifold_edge", edges.crowded, "three or more triangles that do not all pair up share {}",
+            ("remove inner walls and fins, or use ", REPAIR),
+        ),
+    ):  # fmt: skip
+        if count:
+            statement = f"{says.format(counted(count, 'edge'))}, too many to be looked at here; {first}"
+            yield Finding(code, "error", Sentence(statement, ": ", *remedies), count, (edges.triangle,), place)
 
 
 def shell_findings(

@@ -18,6 +18,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import ExitStack
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -30,8 +31,8 @@ from inertia.mesh.external.runs import Runs
 from inertia.mesh.external.temporary_file import MEMORY, TemporaryFile
 from inertia.mesh.geometry.closure import Closure
 from inertia.mesh.geometry.edge_buckets import BUCKET, MOST, REPEATED, SALTS, Sorter, Steps, irregular_halves, steps_for
-from inertia.mesh.geometry.irregular_edges import Irregular, irregular_edges
-from inertia.mesh.geometry.leaves import BY_PLACE, ROW, RUN, Limits, paired_by_place
+from inertia.mesh.geometry.irregular_edges import Irregular, TooMany, irregular_edges
+from inertia.mesh.geometry.leaves import BY_PLACE, ROW, RUN, Limits, paired_by_place, stored_at_most
 from inertia.mesh.surface import Facets, Triangles
 from inertia.native import threads
 from inertia.records import dataclass
@@ -56,19 +57,22 @@ class Pairing:
     Attributes
     ----------
     closure : as `inertia.mesh.geometry.closure.closure` returns it
-    irregular : None where there are more such edges than can be looked at; edges of more than two triangles then join
-        none in the closure
-    triangle : one with an irregular edge, if there is any: the first, unless there are too many
+    irregular : edges that are not used once each way; where there are more than can be looked at, edges of more than
+        two triangles join none in the closure
     """
 
     closure: Closure
-    irregular: Irregular | None
-    triangle: int | None
+    irregular: Irregular | TooMany
 
 
 def room_for(count: int) -> int:
     """Return the least number of bytes in which `external_closure` works."""
     return 4 * count + _LEAST
+
+
+def room_to_look(count: int, halves: int) -> int:
+    """Return the number of bytes in which it looks at so many irregular directed edges."""
+    return max(room_for(count), 4 * count + 2 * _EXACTLY * (halves + 1))
 
 
 class Workers(Protocol):
@@ -87,6 +91,7 @@ class Paired:
     pairs : (k, 2), triangles at regular edges
     irregular : (j,), directed edges along irregular ones
     left_out : how many of these are not among them
+    first : of all of these; 3 × MOST where there are none
     state : as of the steps
     repeated : (i,), triangles with a repeated corner
     """
@@ -94,6 +99,7 @@ class Paired:
     pairs: NDArray[np.uint32]
     irregular: NDArray[np.uint32]
     left_out: int
+    first: int
     state: Int
     repeated: Int
 
@@ -132,7 +138,7 @@ def external_closure(
         if closed is not None:
             nothing = np.empty(0, np.int64)
             none = irregular_edges(triangles, nothing, np.empty(0, np.uint32), steps_for(0, salt), turning=False)[0]
-            return Pairing(closed, none, None)
+            return Pairing(closed, none)
     steps = steps_for(count, salt)
     parent = np.arange(count, dtype=np.uint32)
     left = room - 4 * count
@@ -141,12 +147,11 @@ def external_closure(
         with ExitStack() as stack:
             runs = Runs(count, left, _LEAST // 2, stack)
             repeated = _partition(triangles, runs, steps, parent, _part_of(progress, 0.0, 0.5))
-            buffer, pairing = np.empty((2 * BUCKET, 3), np.uint32), _part_of(progress, 0.5, 1.0)
-            halves, odd = irregular_halves(
-                runs.buckets, lambda number: runs.bucket(number, buffer), steps, parent, most, pairing
-            )
+            records = partial(runs.bucket, buffer=np.empty((2 * BUCKET, 3), np.uint32))
+            join, pairing = partial(steps.join, parent), _part_of(progress, 0.5, 1.0)
+            halves, odd, first = irregular_halves(runs.buckets, records, steps, join, most, pairing)
     else:
-        repeated, odd, halves = 0, 0, np.empty(most, np.uint32)
+        repeated, odd, first, halves = 0, 0, 3 * count, np.empty(most, np.uint32)
         for paired in workers.pair(salt, most, _part_of(progress, 0.0, 1.0)):
             steps.join(parent, paired.pairs)
             parent[paired.repeated] = REPEATED
@@ -155,17 +160,19 @@ def external_closure(
             some = paired.irregular[: max(most - odd, 0)]
             halves[odd : odd + len(some)] = some
             odd += len(paired.irregular) + paired.left_out
-    irregular, (open_edges, crowded, _) = None, steps.state.tolist()
+            first = min(first, paired.first)
+        halves = halves[: min(odd, most)]
+    open_edges, crowded, edges, once = steps.state.tolist()
+    irregular: Irregular | TooMany = TooMany(first // 3, once, edges - crowded - once, crowded, odd)
+    at_crowded = np.empty(0, np.int64)
     if odd <= len(halves):
-        which, turning = np.sort(halves[:odd]).astype(np.int64), left >= _TURNING * count
+        which, turning = np.sort(halves).astype(np.int64), left >= _TURNING * count
         irregular, joined = irregular_edges(triangles, which, parent, steps, turning=turning)
         steps.join(parent, joined)
         uses, surplus = irregular.edges.uses, irregular.edges.forward - irregular.edges.backward
-        crowded, open_edges = int((uses > 2).sum()), int(np.abs(surplus).sum())
+        crowded, open_edges, at_crowded = int((uses > 2).sum()), int(np.abs(surplus).sum()), irregular.edges.at_crowded
     components, labels = steps.number(parent), parent.view(np.int32)
-    at_crowded = irregular.edges.at_crowded if irregular else np.empty(0, np.int64)
-    first = int(halves[:odd].min()) // 3 if odd else None
-    return Pairing(Closure(open_edges, components, labels, repeated, crowded, at_crowded), irregular, first)
+    return Pairing(Closure(open_edges, components, labels, repeated, crowded, at_crowded), irregular)
 
 
 def closed_by_place(
@@ -181,7 +188,7 @@ def closed_by_place(
     rows = min((room - fixed - _WAITING * count) // (ROW + 1), (room - fixed - 4 * count) // 8)
     if rows < min(count, _FEWEST) or not all(kernel.worthwhile(count) for kernel in BY_PLACE):
         return None
-    file = TemporaryFile(max(ROW * (count - rows), 0), stack)
+    file = TemporaryFile(stored_at_most(count, _LEAF, rows, parts), stack)
     limits = Limits(rows, _LARGEST // RUN, (1 << 24) + _WAITING * count // parts, file)
     paired = paired_by_place(triangles, _LEAF, _SAMPLED, parts, salt, progress, limits)
     return None if paired is None else Closure(*paired, crowded=0)

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import re
 import sys
+from numbers import Real
 from pathlib import Path
+
+from inertia.errors import UsageError
 
 WHOLE = 1000
 """Bytes of memory that a triangle takes, at most, where all of them are analysed and checked at once."""
@@ -13,9 +17,20 @@ RESERVE = 32_000_000
 """Bytes for what is imported and made on the way."""
 
 
+def require_memory(memory: float) -> None:
+    """Raise `UsageError` for what is no limit of memory."""
+    if not (isinstance(memory, Real) and not isinstance(memory, bool) and 0 < memory < math.inf):
+        raise UsageError(f"memory is {memory!r}: it must be positive and finite, in bytes")
+
+
 def fits(triangles: int, memory: float) -> bool:
     """Say whether so many triangles, or cells, are analysed at once within so many bytes of this process."""
     return WHOLE * triangles <= memory - resident() - RESERVE
+
+
+def fits_in_memory(triangles: int, memory: float, held: int) -> bool:
+    """Say it of those that were read whole, for which this process holds so many bytes already."""
+    return WHOLE * triangles - held <= memory - resident()
 
 
 def resident() -> int:

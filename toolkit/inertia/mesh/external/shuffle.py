@@ -19,12 +19,13 @@ from numpy.typing import NDArray
 from inertia.arrays import Int, Progress
 from inertia.errors import InertiaError, ReadError, UsageError, visible
 from inertia.mesh.external.closure import Paired
-from inertia.mesh.geometry.edge_buckets import BYTES, Sorter, bits_for, steps_for
+from inertia.mesh.geometry.edge_buckets import BYTES, MOST, Sorter, bits_for, irregular_halves, steps_for
 from inertia.mesh.part import Part
 from inertia.mesh.readers.ply import read_ply
 from inertia.mesh.readers.stl import HEADER, is_binary_stl
 from inertia.mesh.surface import FacesInFile, Facets, FacetsInFile, Surface, Triangles
 from inertia.records import dataclass
+from inertia.standard_input import NAME
 
 T = TypeVar("T")
 
@@ -52,7 +53,7 @@ class StoredTriangles:
     def of(cls, part: Part) -> StoredTriangles:
         """Describe the file of a part; raises `UsageError` where it is none that other processes can read in ranges."""
         path, kind = part.source.path, part.source.format
-        if path is not None and isinstance(part.geometry, Facets | FacesInFile):
+        if path not in (None, NAME) and isinstance(part.geometry, Facets | FacesInFile):
             try:
                 status = Path(path).stat()
                 with Path(path).open("rb") as file:
@@ -71,7 +72,7 @@ class StoredTriangles:
         try:
             status = Path(self.path).stat()
             if (status.st_size, status.st_mtime_ns) == (self.size, self.modified):
-                triangles = _opened(self)
+                triangles = _opened(self, status.st_dev, status.st_ino, status.st_ctime_ns)
                 block = triangles.block(start, stop)
                 return Facets(block) if isinstance(triangles, Facets) else Surface(triangles.vertices, block)
             what = "it is not the file that the command has read"
@@ -81,7 +82,8 @@ class StoredTriangles:
 
 
 @lru_cache(maxsize=1)  # the vertices of a PLY file are read once by each worker
-def _opened(file: StoredTriangles) -> Triangles:
+def _opened(file: StoredTriangles, *_: int) -> Triangles:
+    """Open a file, which also is another one where its device, inode and time of change here are."""
     if file.format != "ply":
         return FacetsInFile(Path(file.path), file.count, HEADER)
     geometry = read_ply(Path(file.path), memory=0.0).geometry
@@ -127,7 +129,7 @@ class DaskWorkers:
             progress((done + 1) / shares)
         for _, repeated in self._results(points):
             nothing = np.empty((0, 2), np.uint32)
-            yield Paired(nothing, nothing[:, 0], 0, np.zeros(3, np.int64), repeated)
+            yield Paired(nothing, nothing[:, 0], 0, 3 * MOST, np.zeros(4, np.int64), repeated)
 
     def _ranges(self) -> list[tuple[StoredTriangles, int, int]]:
         count = self._file.count
@@ -191,16 +193,14 @@ def _run(
 def _pair(pieces: Sequence[_Piece], salt: NDArray[np.uint64], room: int) -> Paired:
     """Pair the edges of a share of the buckets."""
     steps = steps_for(sum(len(records) for records, _ in pieces), salt)
-    halves, odd, pairs = np.empty(room, np.uint32), 0, [np.empty((0, 2), np.uint32)]
-    for bucket in range(len(pieces[0][1]) - 1):
+    pairs = [np.empty((0, 2), np.uint32)]
 
-        def own(bucket: int = bucket) -> Iterable[NDArray[np.uint32]]:
-            return (records[starts[bucket] : starts[bucket + 1]] for records, starts in pieces)
+    def own(bucket: int) -> Iterable[NDArray[np.uint32]]:
+        return (records[starts[bucket] : starts[bucket + 1]] for records, starts in pieces)
 
-        regular, irregular = steps.pairs(own)
+    def join(regular: NDArray[np.uint32]) -> None:
         pairs.append(regular.astype(np.uint32))
-        if irregular:
-            for records in own():
-                odd = steps.irregular(records, halves, odd)
-    size = min(odd, room)
-    return Paired(np.concatenate(pairs), halves[:size].copy(), odd - size, steps.state, np.empty(0, np.int64))
+
+    halves, odd, first = irregular_halves(len(pieces[0][1]) - 1, own, steps, join, room)
+    left_out = odd - len(halves)
+    return Paired(np.concatenate(pairs), halves.copy(), left_out, first, steps.state, np.empty(0, np.int64))

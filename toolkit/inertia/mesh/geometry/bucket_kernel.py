@@ -129,13 +129,13 @@ def count_uses(records_at, count, table_at, capacity, uses_at, used):
 def regular_pairs(table_at, capacity, uses_at, pairs_at, state_at):
     """Write the pairs of triangles at edges that are used once each way; return how many there are.
 
-    `state` adds up how many directed edges have no opposite partner, how many edges are used more than twice, and how
-    many otherwise than once each way.
+    `state` adds up how many directed edges have no opposite partner, how many edges are used more than twice, how many
+    otherwise than once each way, and how many once.
     """
     table = carray(table_at, (capacity, 2), np.uint64)
     uses = carray(uses_at, (capacity, 2), np.uint32)
     pairs = carray(pairs_at, (capacity, 2), np.uint32)
-    state = carray(state_at, (3,), np.int64)
+    state = carray(state_at, (4,), np.int64)
     size = 0
     for slot in range(capacity):
         if table[slot, 0] == 0:
@@ -148,6 +148,7 @@ def regular_pairs(table_at, capacity, uses_at, pairs_at, state_at):
         state[2] += 1
         if other == ONCE:
             state[0] += 1
+            state[3] += 1
         else:
             forward, backward = np.int64(uses[slot, 1]), np.int64(uses[slot, 0])
             state[0] += abs(forward - backward)

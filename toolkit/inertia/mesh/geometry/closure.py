@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import field
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 
 import numpy as np
@@ -132,10 +132,11 @@ def paired_by_keys(triangles: Triangles, salt: NDArray[np.uint64] | None = None)
     records, starts, repeated = Sorter(steps, count, bits_for(count)).run(triangles, 0, count, 0)
     parent[repeated] = REPEATED
     buckets = [[records[first:last]] for first, last in pairwise(starts)]
-    halves, odd = irregular_halves(len(buckets), buckets.__getitem__, steps, parent, int(count / SHARE))
+    join = partial(steps.join, parent)
+    halves, odd, _ = irregular_halves(len(buckets), buckets.__getitem__, steps, join, int(count / SHARE))
     if odd > len(halves):
         return None
-    irregular, joined = irregular_edges(triangles, np.sort(halves[:odd]).astype(np.int64), parent, steps)
+    irregular, joined = irregular_edges(triangles, np.sort(halves).astype(np.int64), parent, steps)
     steps.join(parent, joined)
     edges, components, labels = irregular.edges, steps.number(parent), parent.view(np.int32)
     open_edges, crowded = int(np.abs(edges.forward - edges.backward).sum()), int(edges.non_manifold.sum())

@@ -49,8 +49,8 @@ class Compiled:
         self._salt, self._by_numpy, self._corners = np.array(salt), Vectorised(salt), corners
         self._table, self._uses = np.zeros((BUCKET, 2), np.uint64), np.zeros((BUCKET, 2), np.uint32)
         self._pairs, self._rows = np.empty((BUCKET, 2), np.uint32), np.empty((CHUNK, 3), np.uint64)
-        self.state = np.zeros(3, np.int64)
-        """Directed edges without an opposite partner, and edges used more than twice, by their keys."""
+        self.state = np.zeros(4, np.int64)
+        """By keys: directed edges without an opposite partner; edges used more than twice, irregular, used once."""
 
     def keys(
         self, triangles: Triangles, start: int, stop: int, keys: NDArray[np.uint64], counts: Int, bits: int
@@ -110,8 +110,8 @@ class Vectorised:
     def __init__(self, salt: NDArray[np.uint64]) -> None:
         self._salt = np.array(salt)
         self._odd: NDArray[np.uint64] = np.empty(0, np.uint64)
-        self.state = np.zeros(3, np.int64)
-        """Directed edges without an opposite partner, and edges used more than twice, by their keys."""
+        self.state = np.zeros(4, np.int64)
+        """By keys: directed edges without an opposite partner; edges used more than twice, irregular, used once."""
 
     def keys(
         self, triangles: Triangles, start: int, stop: int, keys: NDArray[np.uint64], counts: Int, bits: int
@@ -146,7 +146,7 @@ class Vectorised:
         forward = np.add.reduceat(keys[order] & np.uint64(1), first, dtype=np.int64) if len(first) else uses
         regular = (uses == 2) & (forward == 1)
         self._odd = edges[~regular]
-        self.state += np.abs(2 * forward - uses).sum(), (uses > 2).sum(), len(self._odd)
+        self.state += np.abs(2 * forward - uses).sum(), (uses > 2).sum(), len(self._odd), (uses == 1).sum()
         return records[order, 2][first[regular][:, None] + [0, 1]] // 3, len(self._odd)
 
     def irregular(self, records: NDArray[np.uint32], halves: NDArray[np.uint32], size: int) -> int:
@@ -212,24 +212,29 @@ def irregular_halves(
     buckets: int,
     records: Callable[[int], Iterable[NDArray[np.uint32]]],
     steps: Steps,
-    parent: NDArray[np.uint32],
+    join: Callable[[NDArray[np.uint32]], None],
     room: int,
     progress: Progress | None = None,
-) -> tuple[NDArray[np.uint32], int]:
-    """Join triangles at regular edges; return the irregular directed edges, `room` at most, and how many there are.
+) -> tuple[NDArray[np.uint32], int, int]:
+    """Return the irregular directed edges, `room` at most, how many there are, and the first of all.
 
-    `records` gives those of a bucket, piece by piece.
+    `records` gives those of a bucket, piece by piece; `join` takes the pairs (k, 2) of triangles at regular edges.
     """
-    halves, odd = np.empty(room, np.uint32), 0
+    halves, odd, first = np.empty(room, np.uint32), 0, MOST * 3
     for number in range(buckets):
         pairs, irregular = steps.pairs(lambda: records(number))  # noqa: B023  # it is used at once
-        steps.join(parent, pairs)
+        join(pairs)
         if irregular:
             for piece in records(number):
-                odd = steps.irregular(piece, halves, odd)
+                some = np.empty(len(piece), np.uint32)
+                some = some[: steps.irregular(piece, some, 0)]
+                first = min(first, int(some.min(initial=first)))
+                fit = some[: max(room - odd, 0)]
+                halves[odd : odd + len(fit)] = fit
+                odd += len(some)
         if progress is not None:
             progress((number + 1) / buckets)
-    return halves, odd
+    return halves[: min(odd, room)], odd, first
 
 
 def steps_for(count: int, salt: NDArray[np.uint64], corners: Keys | None = None) -> Steps:

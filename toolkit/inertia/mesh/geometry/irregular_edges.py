@@ -35,6 +35,24 @@ class Irregular:
     edges: Edges
 
 
+@dataclass(frozen=True, eq=False)
+class TooMany:
+    """Irregular edges that are more than the memory lets be looked at.
+
+    Attributes
+    ----------
+    triangle : the first that has one
+    once, same_way, crowded : edges of one triangle; of two that run the same way; of more
+    halves : directed edges along them
+    """
+
+    triangle: int
+    once: int
+    same_way: int
+    crowded: int
+    halves: int
+
+
 def irregular_edges(
     triangles: Triangles, halves: Int, parent: NDArray[np.uint32], steps: Steps, *, turning: bool = True
 ) -> tuple[Irregular, Int]:

@@ -149,7 +149,7 @@ class _Leaves:
         limits: Limits | None,
     ) -> None:
         self._count, self._parts = triangles.count, parts
-        depth = max((self._count // leaf).bit_length() - 1, 1)
+        depth = _depth_for(self._count, leaf)
         self._leaves = 1 << depth
         self._triangles, self._salt, self._progress, self._limits = triangles, salt.copy(), progress, limits
         if isinstance(triangles, Facets):
@@ -159,14 +159,16 @@ class _Leaves:
             self._kernels, self._keys = (PLACE_FACES, LABEL_FACES), vertex_keys(triangles, self._salt)
             self._vertices = triangles.vertices.ctypes.data, len(triangles.vertices)
         self._bins = 1 << min((self._count // 16 // _BIN).bit_length(), 9)
-        self._tree = tree(sample(triangles, sampled * self._leaves), depth)
+        self._tree = own = tree(sample(triangles, sampled * self._leaves), depth)
+        # Addresses of its arrays, which are taken once: for each block they cost a hundredth of the time.
+        self._planes = *map(address, (own.axes, own.planes, own.cells, own.shifts)), own.levels, own.depth
         self._cuts = shares_of(self._count, parts)
         most = max(stop - start for start, stop in pairwise(self._cuts))
         if limits is not None and limits.rows < self._count:
-            most = max(limits.rows // parts, BLOCK)
+            most = _held_by_each(limits.rows, parts)
         self._largest = 0 if limits is None else limits.runs
         self._piece = np.full(self._leaves, -1, np.int32)  # that all of a leaf is, where it is all of one
-        self._runs = -(-most // RUN) + min(self._leaves, BLOCK) + self._leaves  # of a thread
+        self._runs = _runs_for(most, self._leaves)
         self._pool = np.empty((parts * (self._runs + self._largest) * RUN, 2), np.uint64)
         self._owners = np.empty(parts * self._runs, np.int64)
 
@@ -215,12 +217,10 @@ class _Leaves:
 
     def _descended(self, kernel: Kernel, start: int, stop: int, keys: tuple[int, ...], room: Int, *places: int) -> int:
         """Run a kernel that finds the leaves of triangles `start:stop`."""
-        block, tree = self._triangles.block(start, stop), self._tree
+        block = self._triangles.block(start, stop)
         return kernel.function(
-            block.ctypes.data, stop - start, *self._vertices, *keys,
-            address(tree.axes), address(tree.planes), address(tree.cells), address(tree.shifts), tree.levels,
-            tree.depth, address(room), *places,
-        )  # fmt: skip
+            block.ctypes.data, stop - start, *self._vertices, *keys, *self._planes, address(room), *places
+        )
 
     def _segment(self, first: int, last: int, begin: int, heads: Int, state: Int) -> _Segment:
         """Return the segment that lies in the runs of the pool from `begin` on."""
@@ -341,6 +341,28 @@ class _Leaves:
                 self._limits.store.read(some, segment.at + begin * RUN * ROW)
                 labels[places[begin:end] - lowest] = some
         return labels.reshape(-1)
+
+
+def stored_at_most(count: int, leaf: int, rows: int, parts: int) -> int:
+    """Return the bytes that the store takes where the memory holds so many rows; parameters as of `paired_by_place`."""
+    if rows >= count:
+        return 0
+    most = _held_by_each(rows, parts)
+    times = max(stop - start for start, stop in pairwise(shares_of(count, parts))) // max(most - BLOCK, 1)
+    return parts * times * _runs_for(most, 1 << _depth_for(count, leaf)) * RUN * ROW
+
+
+def _depth_for(count: int, leaf: int) -> int:
+    return max((count // leaf).bit_length() - 1, 1)
+
+
+def _held_by_each(rows: int, parts: int) -> int:
+    return max(rows // parts, BLOCK)
+
+
+def _runs_for(rows: int, leaves: int) -> int:
+    """Return how many runs have room for so many rows in any leaves, and for a block more."""
+    return -(-rows // RUN) + min(leaves, BLOCK) + leaves
 
 
 def paired_by_place(

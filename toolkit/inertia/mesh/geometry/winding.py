@@ -174,6 +174,8 @@ def _misplaced(corners: Float, box: Float) -> tuple[float, Float | None]:
         met = np.flatnonzero(turn)
         a, b, c = own[:, :, met]
         normal = _cross(b - a, c - a)
+        upright = normal[2] == 0  # but for rounding: anywhere between its corners is as near
+        normal[:2, upright], normal[2, upright] = 0.0, 1.0
         rays.append(point[met])
         heights.append((a * normal).sum(axis=0) / normal[2])
         turns.append(turn[met])

@@ -15,6 +15,7 @@ from pathlib import Path, PurePosixPath
 from typing import IO, Any, NamedTuple
 
 from inertia.errors import InertiaError, ReadError, Remedy, visible
+from inertia.mesh.readers.contents import alone
 from inertia.mesh.readers.formats import EXTENSIONS, format_of_zip
 from inertia.mesh.version import CHANGED
 from inertia.output import temporary_folder
@@ -73,7 +74,9 @@ def unpacked(path: Path, kind: str, limit: float) -> Iterator[Unpacked]:
         if inner := packed_as(source, _head(source)):
             holds = f"it holds {visible(name)}, which is packed as {inner}"
             raise ReadError(f"{holds}, and archives in archives are not opened: unpack it first", code="not_read")
-        yield Unpacked(source, visible(name), f"unpacked from {how}: {visible(name)}, {source.stat().st_size} bytes")
+        note = f"unpacked from {how}: {visible(name)}, {source.stat().st_size} bytes"
+        with alone():
+            yield Unpacked(source, visible(name), note)
 
 
 def _mesh_of(path: Path, kind: str, folder: Path, limit: float) -> tuple[Path, str, str]:
@@ -139,7 +142,8 @@ def member_copy(path: Path, name: str, limit: float) -> Iterator[Path]:
                 copy = _zip_member(path, name, folder / f"part{_suffix(name)}", bytes_left)
             else:
                 copy = _tar_member(path, name, bytes_left)
-        yield copy
+        with alone():
+            yield copy
 
 
 def _zip_member(path: Path, name: str, to: Path, limit: float) -> Path:
@@ -309,8 +313,8 @@ def _require_one(name: str, count: int) -> None:
         raise ReadError(CHANGED, code="changed")
     if count > 1:
         raise ReadError(
-            f"it holds {count} files called {visible(name)}, and nothing says which is meant: pack it again, each "
-            "under a name of its own",
+            f"the archive holds {count} files called {visible(name)}, and nothing says which is meant: pack it again, "
+            "each under a name of its own",
             code="several_meshes",
         )
 
@@ -331,7 +335,7 @@ def _mesh_among(files: Iterable[str]) -> str:
             f"it holds {len(meshes)} meshes, {listed}{more}: unpack it and give the one that is meant",
             code="several_meshes",
         )
-    raise ReadError(f"it holds no mesh, but {listed + more if seen else 'nothing'}: give a mesh", code="empty")
+    raise ReadError(f"it holds no mesh{f', but {listed}{more}' if seen else ' at all'}: give a mesh", code="empty")
 
 
 def _copy(stream: IO[bytes], to: Path, limit: float, used: int = 0) -> Path:

@@ -12,6 +12,7 @@ import re
 import warnings
 from codecs import BOM_UTF8
 from collections.abc import Iterable, Iterator, Sequence
+from contextvars import ContextVar
 from pathlib import Path, PureWindowsPath
 from typing import Any
 
@@ -109,6 +110,19 @@ def quietly(library: str, kind: str) -> Iterator[None]:
         ) from None
 
 
+_alone: ContextVar[bool] = ContextVar("alone", default=False)
+
+
+@contextlib.contextmanager
+def alone() -> Iterator[None]:
+    """Let no file be read beside one in the context: it is a copy out of an archive or from a URL, of that one only."""
+    before = _alone.set(True)
+    try:
+        yield
+    finally:
+        _alone.reset(before)
+
+
 def beneath(folder: Path, name: str) -> Path:
     """Return the path of a file that a document in `folder` refers to: in that folder or beneath it, links followed.
 
@@ -127,6 +141,12 @@ def beneath(folder: Path, name: str) -> Path:
             f"it refers to {shown(name)}, outside its folder, where nothing is read for it: put that file beside it "
             "and export it again",
             code="outside_folder",
+        )
+    if _alone.get():  # what lies beside the copy is another's
+        raise ReadError(
+            f"it refers to {shown(name)}, and no other file is read out of an archive or from a URL: unpack or copy "
+            "both into one folder",
+            code="no_file",
         )
     if missing:
         note_input(base / name)
@@ -282,13 +302,18 @@ def surface(vertices: Float, faces: Int) -> Surface:
             "it holds no faces, so there is nothing to weigh: export the part as a surface mesh", code="empty"
         )
     check_indices(faces, len(vertices), "face")
+    require_finite(vertices, faces)
+    return Surface(vertices, faces)
+
+
+def require_finite(vertices: Float, faces: Int | None = None) -> None:
+    """Raise `ReadError` for a vertex that is not finite, with a face of which it is a corner where these are given."""
     bad = first_bad_point(vertices)
     if bad is not None:
-        uses = np.argwhere(faces == bad)
+        uses = np.empty(0) if faces is None else np.argwhere(faces == bad)
         where = f" (a corner of face {uses[0][0]})" if len(uses) else ""
         says = f"vertex {bad}{where} is {list(map(float, vertices[bad]))}, not finite: export the mesh again"
         raise ReadError(says, code="non_finite")
-    return Surface(vertices, faces)
 
 
 def check_indices(nodes: Int, count: int, what: str, first: int = 0) -> None:

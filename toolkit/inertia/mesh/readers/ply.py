@@ -7,6 +7,7 @@ Text is turned into float64 first, so that both kinds are rows of numbers of kno
 
 from __future__ import annotations
 
+import os
 import struct
 from codecs import BOM_UTF8
 from collections.abc import Iterator
@@ -20,7 +21,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Float, Int
 from inertia.errors import ReadError
 from inertia.mesh.external.memory import fits
-from inertia.mesh.readers.contents import Contents, numbers, shown, split_polygons, text_of
+from inertia.mesh.readers.contents import Contents, numbers, require_finite, shown, split_polygons, text_of
 from inertia.mesh.readers.decimals import rounding_of
 from inertia.mesh.surface import FacesInFile, RowsInFile
 from inertia.records import dataclass
@@ -37,6 +38,7 @@ _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _CORNERS = ("vertex_indices", "vertex_index")
 _HEADER_LIMIT = 2**20
 _VERTICES = 1 << 18  # read at a time
+_LINE_ENDS = 64  # bytes of them, at most, that may follow binary rows which stay in the file
 
 
 @dataclass
@@ -122,8 +124,13 @@ def _in_file(path: Path, elements: list[_Element], order: str, body: int, memory
         fields += [("corners", order + column.type, 3) if column.count else (f"{k}", order + column.type)]
     row = np.dtype(fields)
     begin = body + vertex.rows * point.itemsize
-    if row["corners"].base.kind == "f" or path.stat().st_size != begin + face.rows * row.itemsize:
+    left = path.stat().st_size - begin - face.rows * row.itemsize
+    if row["corners"].base.kind == "f" or not 0 <= left <= _LINE_ENDS:
         return None  # other polygons are among them, or its counts are wrong
+    with path.open("rb") as file:
+        file.seek(-left, os.SEEK_END)
+        if file.read().strip(b"\r\n"):
+            return None
     if not face.rows or not {"x", "y", "z"} <= set(point.names or ()):
         return None
     stored, vertices = RowsInFile(path, point, vertex.rows, body), np.empty((vertex.rows, 3))
@@ -131,6 +138,7 @@ def _in_file(path: Path, elements: list[_Element], order: str, body: int, memory
         block = stored.block(start, min(start + _VERTICES, vertex.rows))
         for axis, name in enumerate("xyz"):
             vertices[start : start + len(block), axis] = block[name]
+    require_finite(vertices)
     return FacesInFile(vertices, RowsInFile(path, row, face.rows, begin))
 
 
@@ -259,11 +267,13 @@ def _faces(table: _Table) -> tuple[Int, Int]:
     if name is None:
         raise ReadError("its faces have no list named vertex_indices: export it again")
     corners, counts = table[name]
-    if corners.dtype.kind == "f":
-        whole = (np.abs(corners) < 2**53) & (np.floor(corners) == corners)
+    if corners.dtype.kind in "fu":
+        most = 2**53 if corners.dtype.kind == "f" else 2**63
+        whole = (np.abs(corners) < most) & (np.floor(corners) == corners)
         if not whole.all():
             wrong = corners[np.argmin(whole)]
             raise ReadError(
-                f"its faces hold {wrong:g}, which is no index of a vertex: export it again", code="node_out_of_range"
+                f"its faces hold {wrong.item():.20g}, which is no index of a vertex: export it again",
+                code="node_out_of_range",
             )
     return counts, corners.astype(np.int64)

@@ -55,7 +55,8 @@ def read_stl(path: Path) -> Contents:
         return _read_text(path)
     if size < HEADER:
         raise ReadError(
-            f"it holds {size} bytes, but a binary STL begins with {HEADER}: it was cut short, export it again",
+            f"it holds {size} byte{'s' * (size != 1)}, but a binary STL begins with {HEADER}: it was cut short, export "
+            "it again",
             code="cut_short",
         )
     if b"\0" not in head:
