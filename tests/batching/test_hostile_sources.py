@@ -382,7 +382,7 @@ def test_a_mesh_out_of_an_archive_or_from_a_url_takes_no_file_from_beside_it(kin
         archive = tmp_path / f"order.{kind}"
         _ = zipped(archive, members) if kind == "zip" else tarred(archive, [*members.items()])
         file, every = f"{archive}/t.gltf", rows(archive)[1:2]
-    unreadable(*every, file, "it refers to '0.stl', and no other file is read out of an archive or from a URL: unpack")
+    unreadable(*every, file, "it refers to '0.stl', and no other file is read out of an archive, from a URL or beside")
     assert rows(tmp_path / "t.gltf")[0]["state"] == "answered"
 
 

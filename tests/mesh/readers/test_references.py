@@ -103,6 +103,17 @@ def test_the_command_refuses_in_one_sentence(places: tuple[Path, Path]) -> None:
     )
 
 
+def test_no_file_is_read_beside_standard_input(places: tuple[Path, Path]) -> None:
+    path, binary = gltf_that_names(places[0], "part.bin")
+    (path.parent / "part.bin").write_bytes(binary)
+    run = subprocess.run(
+        [sys.executable, "-m", "inertia_cli", "analyse", "-"],
+        input=path.read_bytes(), capture_output=True, cwd=path.parent, check=False,
+    )  # fmt: skip
+    assert run.returncode == 3
+    assert b"it refers to 'part.bin', and no other file is read out of an archive, from a URL or beside" in run.stderr
+
+
 @pytest.mark.parametrize("kind", ["gltf", "glb"])
 def test_no_more_bytes_than_the_accessors_need(tmp_path: Path, kind: str) -> None:
     size = 2 * 10**9

@@ -14,7 +14,7 @@ import math
 import os
 import stat
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from importlib import import_module
 from numbers import Real
@@ -29,11 +29,12 @@ from inertia.mesh.external.memory import require_memory
 from inertia.mesh.part import Part, Rounding, Source
 from inertia.mesh.readers.comments import commented_unit
 from inertia.mesh.readers.compressed import UNPACK_LIMIT, packed_as, unpacked
-from inertia.mesh.readers.contents import Contents, Layout
+from inertia.mesh.readers.contents import Contents, Layout, alone
 from inertia.mesh.readers.formats import FORMATS, HEAD, format_of_name, sniff
 from inertia.mesh.readers.strangers import stranger
 from inertia.mesh.tree import MeshTree
 from inertia.mesh.version import CHANGED, Version, unchanged
+from inertia.standard_input import NAME as STANDARD_INPUT
 from inertia.standard_input import file_of, reason_of
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit
 
@@ -216,7 +217,7 @@ def _opened(name: str) -> Iterator[tuple[Path, bytes, Version]]:
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
         if not stat.S_ISREG(status.st_mode):
             raise ReadError("it is not a regular file but a pipe, socket or device: copy its contents into a file")
-        with unchanged(path) as version:
+        with unchanged(path) as version, alone() if name == STANDARD_INPUT else nullcontext():
             with path.open("rb") as file:
                 head = file.read(HEAD)
             yield path, head, version

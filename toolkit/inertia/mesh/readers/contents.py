@@ -115,7 +115,7 @@ _alone: ContextVar[bool] = ContextVar("alone", default=False)
 
 @contextlib.contextmanager
 def alone() -> Iterator[None]:
-    """Let no file be read beside one in the context: it is a copy out of an archive or from a URL, of that one only."""
+    """Let no file be read beside one in the context: it is a copy of that one only, as out of an archive."""
     before = _alone.set(True)
     try:
         yield
@@ -144,8 +144,8 @@ def beneath(folder: Path, name: str) -> Path:
         )
     if _alone.get():  # what lies beside the copy is another's
         raise ReadError(
-            f"it refers to {shown(name)}, and no other file is read out of an archive or from a URL: unpack or copy "
-            "both into one folder",
+            f"it refers to {shown(name)}, and no other file is read out of an archive, from a URL or beside standard "
+            "input: unpack or copy both into one folder",
             code="no_file",
         )
     if missing:
