@@ -12,6 +12,7 @@ from tests.mesh.solids import as_ply, cube, facets, joined, ring, sphere
 
 import inertia
 from inertia.errors import GeometryError, ReadError, UsageError
+from inertia.mesh.external.memory import RESERVE, WHOLE
 from inertia.mesh.part import Part, Source
 from inertia.mesh.surface import FacesInFile, Facets, Surface
 from inertia_cli.main import main
@@ -273,18 +274,19 @@ def test_line_ends_may_follow_the_rows_of_a_ply_file(tmp_path: Path) -> None:
     assert inertia.analyse(part, memory=MEMORY).properties.volume == stored_in.properties.volume
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="memory is measured as Linux counts it")
-def test_what_was_read_whole_is_analysed_so_within_the_same_memory(tmp_path: Path) -> None:
+def test_what_was_read_whole_is_analysed_so_within_the_same_memory(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The process has grown since it was read: by the arrays, and by what is imported meanwhile."""
-    file = as_ply(tmp_path / "ring.ply", *ring(200, 200))
-    least, most = 0.0, MEMORY
-    while most - least > 1e5:  # the least memory in which it is read whole
-        some = (least + most) / 2
-        stays = isinstance(inertia.read(file, memory=some).geometry, FacesInFile)
-        least, most = (some, most) if stays else (least, some)
-    part = inertia.read(file, memory=most + 1e6)
-    if not isinstance(part.geometry, FacesInFile):
-        assert inertia.analyse(part, memory=most + 1e6).crossings_examined
+    vertices, faces = ring()
+    file, before = as_ply(tmp_path / "ring.ply", vertices, faces), 1e8
+    memory = WHOLE * len(faces) + RESERVE + before
+    monkeypatch.setattr("inertia.mesh.external.memory.resident", lambda: before)
+    assert isinstance(inertia.read(file, memory=memory - 1).geometry, FacesInFile)
+    part = inertia.read(file, memory=memory)
+    assert not isinstance(part.geometry, FacesInFile)
+    monkeypatch.setattr("inertia.mesh.external.memory.resident", lambda: before + 2e7)
+    assert inertia.analyse(part, memory=memory).crossings_examined
 
 
 @pytest.mark.parametrize("memory", [-1, float("nan"), True, "2GB"])
