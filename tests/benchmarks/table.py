@@ -85,7 +85,7 @@ best and others, are in [benchmarks.json](benchmarks.json).
 The meshes are wavy tori without any symmetry, closed, one body, written triangle by triangle and row by row. Every
 figure is the best of its runs, which are measured with nothing else running; a figure in brackets is a multiple of the
 first row's. Read the ratios: they carry over to machines alike better than the times do. On a processor without
-AVX-512 those to trimesh were 0.45 to 1.1 of these.
+AVX-512 those to trimesh were 0.28 to 1.1 of these.
 
 ## The figures: from a file to the answer
 
