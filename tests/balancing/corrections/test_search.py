@@ -49,6 +49,42 @@ def test_case_9_the_smallest_error_over_sixteen_holes():
     assert len({angle for _, _, angle, _ in places}) == len(places)
 
 
+@pytest.mark.parametrize("count", [3, 4, 12])
+@pytest.mark.parametrize("method", ["add", "remove"])
+def test_what_nothing_caps_is_shared_by_two_positions(count, method):
+    # Any vector is the sum of two at neighbouring positions; at one alone, a sine of the angle to it is left.
+    plane = CorrectionPlane("I", 0.0, method, 0.08, angles=evenly(count))
+    middle = 1.73e-3 * np.exp(1j * (math.pi / count))
+    plan, places = searched([plane], np.ones((1, 1)), [-middle if method == "add" else middle], limit=1e-5)
+    assert plan.worst <= 1
+    assert len(places) == 2
+    masses = np.array([mass for *_, mass in places])
+    assert masses.sum() <= 4 * 1.73e-3 / 0.08
+
+
+@pytest.mark.parametrize("heavy", [10e-3, 60e-3, 1.0])
+@pytest.mark.parametrize("most", [1, 2])
+def test_a_weight_too_heavy_to_use_does_not_spoil_the_others(heavy, most):
+    light = 1e-3 * np.array([1.0, 2.0, 5.0])
+    kit = (KitWeight("heavy", heavy), *(KitWeight(f"{k}", k) for k in light.tolist()))
+    plane = CorrectionPlane("I", 0.0, "kit", 0.1, angles=evenly(8), kit=kit, most_per_position=most)
+    start, limit = 0.9e-3 * np.exp(2.1j), 6e-5
+    ways = 0.1 * np.append(light, heavy)[:, None] * np.exp(2j * np.pi * np.arange(8) / 8)
+    fewest = next(
+        n
+        for n in range(1, 6)
+        if any(
+            abs(start + sum(way)) <= limit
+            for which in itertools.combinations_with_replacement(range(8), n)
+            if all(which.count(k) <= most for k in which)
+            for way in itertools.product(*(ways[:, k] for k in which))
+        )
+    )
+    plan, places = searched([plane], np.ones((1, 1)), [start], limit=limit, aim=1.0)
+    assert plan.worst <= 1
+    assert len(places) == fewest > 1
+
+
 def test_clips_at_free_angles_do_not_overlap_on_their_track():
     kit = (KitWeight("10 g", 10e-3, width=0.03), KitWeight("25 g", 25e-3, width=0.06))
     plane = CorrectionPlane("I", 0.0, "kit", 0.1, kit=kit)

@@ -347,11 +347,13 @@ class _Loop:
         worst = _worst(left, self.limits)
         hit = () if worst <= 1 else self._limits_hit(plan, cut_short)
         largest = " and ".join(f"{abs(k) / GRAM_MILLIMETRE:.4g}" for k in left.tolist())
-        why = f"{largest} g·mm left in the tolerance planes, with depths and angles at the shop's steps"
-        if worst > 1 and not cut_short:
-            why += f": the best that can be done within {', '.join(hit) or 'these planes'}"
-        elif cut_short:
+        set_at = "depths and angles at the shop's steps" if solids else "masses and angles that can be set"
+        why = f"{largest} g·mm left in the tolerance planes, with {set_at}"
+        if cut_short:
             why += ": the best that was found in the time that it was given"
+        elif worst > 1:
+            proven = "that can be done within" if plan.bound > 1 else "that was found with"
+            why += f": the best {proven} {', '.join(hit) or 'these planes'}"
         alone = math.fsum(k.mass for k in operations if k not in masses)
         added = math.fsum(k.mass if k.method == "add" else -k.mass for k in masses)
         together = self.piece.initial.mass + added - residual.mass

@@ -16,7 +16,7 @@ from inertia.balancing.corrections.laying_out import LAYOUTS, starts
 from inertia.balancing.corrections.listing import Listing
 from inertia.balancing.corrections.moving import improve
 from inertia.balancing.corrections.places import FINE, GAIN, Places, Spot, worst_of
-from inertia.balancing.corrections.sharing import Sharing
+from inertia.balancing.corrections.sharing import MORE, Sharing
 from inertia.balancing.unbalance import Complex
 from inertia.records import dataclass
 
@@ -29,7 +29,6 @@ SECONDS = 10.0
 _TIE = 1e-6
 _NEARLY = 0.01  # of the least residual: numbers of places that come so near it are tried first
 _OUT_OF_REACH = 0.3  # of the time
-_MORE = 6  # places more than the bound asks for
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,7 @@ def rank(aim: float, number: int, worst: float) -> tuple[int, float, float]:
 def best_plan(places: Places, aim: float = 1.0) -> Plan:
     """Return the best plan; `aim` is what is to be left at most, as of `rank`, if it can be."""
     sharing, listing = Sharing(places), Listing(places)
-    most, lowest = sum(sharing.most), sharing.lowest
+    lowest = sharing.lowest
     best = Plan((), worst_of(places.start), lowest, 0, False)
     solved: set[tuple[int, ...]] = set()
     fewest = 0
@@ -94,7 +93,7 @@ def best_plan(places: Places, aim: float = 1.0) -> Plan:
         if lowest <= goal < best.worst:
             first = sharing.first(goal)
             fewest = first if goal == 1.0 or not fewest else fewest
-            for number in range(first, min(most, first + _MORE) + 1):
+            for number in range(first, first + MORE + 1):
                 best = attempt(number, goal, goal if number < len(best.spots) else max(best.worst, goal))
                 if best.worst <= goal or places.late():
                     break
@@ -103,7 +102,7 @@ def best_plan(places: Places, aim: float = 1.0) -> Plan:
     if best.worst > 1 or aim == 0:
         # Any number of places may leave the least; first those from where more of them add nothing.
         first = sharing.first(max(1.0, lowest * (1 + _NEARLY)))
-        last = min(most, first + _MORE)
+        last = first + MORE if lowest <= 1 < best.worst else min(sum(sharing.most), first + MORE)
         for number in (*range(first, last + 1), *range(first - 1, 0, -1)):
             if best.worst <= max(FINE, lowest * (1 + _TIE)):
                 break

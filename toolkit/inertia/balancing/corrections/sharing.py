@@ -15,6 +15,9 @@ from inertia.balancing.unbalance import Complex
 _FAR = 4.0  # of what has to be made up: no plane need reach farther
 _FARTHER = 2.0  # where it is asked whether a plane's reach binds
 
+MORE = 6
+"""Places more than a bound asks for that are tried: what lies within reach may still lie between the steps."""
+
 Way = tuple[tuple[int, ...], float, Complex]
 """Places of each plane, the bound of what plans with them leave, and the vectors (planes,) that would leave it."""
 
@@ -26,7 +29,7 @@ class Sharing:
     ----------
     planes : their numbers, ascending; all else is in this order
     kinds : the numbers of each plane's steps
-    most : places of each plane that count
+    most : places of each plane that reach farther than fewer of them, or far enough
     """
 
     def __init__(self, places: Places) -> None:
@@ -37,11 +40,12 @@ class Sharing:
         enough = _FAR * float(np.abs(np.linalg.pinv(self._gains) @ self._start).max())
         self._reach = [extents([places.steps[k] for k in group], enough) for group in self.kinds]
         self.most = [len(k) - 1 for k in self._reach]
+        self._known: dict[tuple[int, ...], tuple[float, Complex]] = {}
 
     @cached_property
     def lowest(self) -> float:
         """What any plan leaves at least."""
-        return least_residual(self._gains, self._start, [k[-1] for k in self._reach])[0]
+        return self._least(tuple(self.most))[0]
 
     def binding(self) -> tuple[int, ...]:
         """Return the planes that would have to reach farther, where the limits are out of reach."""
@@ -67,12 +71,17 @@ class Sharing:
     def ways(self, number: int, aim: float) -> list[Way]:
         """Return how so many places may be shared by the planes, with the bound and the vectors, the best first."""
         ways = []
-        for counts in _shares(number, self.most):
-            reach = [k[n] for k, n in zip(self._reach, counts, strict=True)]
-            least, vectors = least_residual(self._gains, self._start, reach)
+        for counts in _shares(number, [most + MORE for most in self.most]):
+            least, vectors = self._least(tuple(map(min, counts, self.most)))
             if least <= aim * (1 + GAIN):
                 ways.append((counts, least, vectors))
         return sorted(ways, key=lambda way: (round(way[1], 3), -min(way[0], default=0), way[0]))
+
+    def _least(self, counts: tuple[int, ...]) -> tuple[float, Complex]:
+        if counts not in self._known:
+            reach = [k[n] for k, n in zip(self._reach, counts, strict=True)]
+            self._known[counts] = least_residual(self._gains, self._start, reach)
+        return self._known[counts]
 
     def bound(self, number: int, aim: float = math.inf, default: float = 0.0) -> float:
         """Return what plans with so many places leave at least; `default` where none comes within `aim`."""

@@ -62,7 +62,7 @@ def steps_of(number: int, tool: Tool, need: float, room: Float | float = math.in
     room : greatest setting that the part leaves, at all angles or at each of `angles_of` the plane
     """
     angles = angles_of(tool.plane)
-    settings = _settings(tool, need)
+    settings = _settings(tool, need, angles)
     greatest = np.minimum(_clear_of_sectors(tool, angles, settings), room)
     sizes = np.array([tool.unbalance(setting) for setting in settings.tolist()])
     return Steps(number, tool, angles, settings, sizes, greatest)
@@ -78,13 +78,16 @@ def angles_of(plane: CorrectionPlane) -> Float:
     return np.arange(0.0, count, stride) * step
 
 
-def _settings(tool: Tool, need: float) -> Float:
-    least, greatest = tool.least, tool.greatest
+def _settings(tool: Tool, need: float, angles: Float) -> Float:
+    least, greatest, count = tool.least, tool.greatest, _SETTINGS
     if not math.isfinite(greatest):
-        greatest = 4.0 * tool.setting(need)
+        # What two positions share takes no more of either than the whole, unless they are far apart.
+        apart = float(np.diff(angles, append=angles[:1] + FULL_TURN).max(initial=0.0))
+        widest = 1.0 if apart <= 0.5 * math.pi else min(4.0, 1.0 / max(math.sin(apart), 0.25))
+        greatest, count = tool.setting(widest * need), 16 * _SETTINGS
     if greatest <= least:
         return np.array([greatest])
-    step = tool.step or (greatest - least) / _SETTINGS
+    step = tool.step or (greatest - least) / count
     stride = math.ceil((greatest - least) / step / (16 * _SETTINGS))
     first, last = math.ceil(least / step - _SAME), math.floor(greatest / step + _SAME)
     # 0.0124 rather than 0.012400000000000001
