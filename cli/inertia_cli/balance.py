@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -176,6 +177,7 @@ def _missing(options: argparse.Namespace) -> list[str]:
 
 def _balance(rotor: Rotor, options: argparse.Namespace) -> int:
     from inertia.balancing.balance import balance as balance_rotor
+    from inertia.balancing.corrections.correction_plane import CUTTING
     from inertia.output import require_writable
     from inertia.report.balance.document import balance_document
     from inertia.report.balance.figures import report_data
@@ -193,8 +195,11 @@ def _balance(rotor: Rotor, options: argparse.Namespace) -> int:
         if file is not None:
             require_writable(file, suffix, force=options.force)
     require_recordable(options)
-    if options.cut_part is not None and not any(plane.method for plane in rotor.fields.plane):
-        raise UsageError(f"{options.part}: --cut-part has nothing to write: no correction plane has a method")
+    if options.cut_part is not None and not any(plane.method in CUTTING for plane in rotor.fields.plane):
+        raise UsageError(
+            f"{options.part}: --cut-part has nothing to write: no correction plane is drilled or milled, and "
+            "weights and masses are not put into the mesh"
+        )
     with Progress("balancing") as progress:
         result = balance_rotor(rotor, progress=progress)
     data = report_data(result)
@@ -205,7 +210,18 @@ def _balance(rotor: Rotor, options: argparse.Namespace) -> int:
         lambda: "\n".join([balance_text(data), *(row("Missing", sentence) for sentence in _missing(options))]),
     )
     tell_of_viewer(options)
+    tell_what_is_not_cut(options.cut_part, result)
     return _code(result.verdict)
+
+
+def tell_what_is_not_cut(file: str | None, balance: Balance | None) -> None:
+    """Say of a corrected mesh which operations it does not show."""
+    if file is None or balance is None or balance.correction is None:
+        return
+    left = [each.id for each in balance.correction.operations if each.kind in ("point_mass", "weight")]
+    if left:
+        names = ", ".join(left)
+        print(f"inertia: {file} holds what is cut: weights and masses ({names}) are not in its mesh", file=sys.stderr)
 
 
 def _code(verdict: Verdict) -> int:

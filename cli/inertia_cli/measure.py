@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from inertia.errors import UsageError
+from inertia_cli.balance import tell_what_is_not_cut
 from inertia_cli.printing import print_document, write_and_show
 from inertia_cli.progress import Progress
 
@@ -85,6 +86,7 @@ def run(options: argparse.Namespace) -> int:
         lambda: measurement_document(result),
         lambda: measurement_text(result),
     )
+    tell_what_is_not_cut(options.cut_part, result.balance)
     return _CODES[result.outcome]
 
 

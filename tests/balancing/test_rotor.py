@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -331,10 +332,19 @@ def test_without_a_key_there_is_no_mass() -> None:
     assert KEY.point_masses("N") == ()
 
 
-def test_the_two_halves_are_the_key() -> None:
-    (half,), (full,) = KEY.point_masses("H"), KEY.point_masses("F")
-    upper = half.mass * (11e-3 + 0.75 * 7e-3) * 1j
-    assert half.unbalance + upper == pytest.approx(full.unbalance, rel=1e-12)
+def test_the_halves_of_shaft_and_hub_are_the_key() -> None:
+    # The hub's keyway ends where the key does that stands on the shaft's.
+    hub = replace(KEY, floor=18e-3, keyway="hub")
+    (half,), (upper,), (full,) = KEY.point_masses("H"), hub.point_masses("H"), KEY.point_masses("F")
+    assert upper.unbalance == pytest.approx(half.mass * (11e-3 + 0.75 * 7e-3) * 1j, rel=1e-12)
+    assert half.unbalance + upper.unbalance == pytest.approx(full.unbalance, rel=1e-12)
+    assert hub.point_masses("F")[0].unbalance == pytest.approx(full.unbalance, rel=1e-12)
+
+
+def test_half_a_key_of_a_hub_lies_inside_its_keyway() -> None:
+    key = {"convention": "H", "width": 8, "height": 7, "length": 40, "floor": 23.3, "z": 0, "keyway": "hub"}
+    (mass,) = rotor(key=[key]).key_masses
+    assert mass.mass * mass.radius == pytest.approx(7850 * 8e-3 * 3.5e-3 * 40e-3 * 21.55e-3, rel=1e-12)
 
 
 def test_what_is_no_key_or_convention_is_refused() -> None:

@@ -205,6 +205,25 @@ def test_the_corrected_mesh_is_written_and_is_within_the_tolerance(
         assert cut["unbalance"]["gmm"] == pytest.approx(plane["unbalance"]["gmm"], abs=0.01)  # float32 in the file
 
 
+@pytest.mark.parametrize("cut", [0, 1])
+def test_weights_are_not_in_the_corrected_mesh_and_that_is_said(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, cut: int
+) -> None:
+    text = Path(ROTOR).read_text(encoding="utf-8").replace("../", f"{path('two_disc_rotor.stl').parent}/")
+    head, *planes = text.split("[[plane]]")
+    added = [f'\nid = "{k}"\nz = {z}\nmethod = "add"\nradius = 80\n' for k, z in (("I", 90), ("II", 215))]
+    rotor, file = tmp_path / "rotor.toml", tmp_path / "cut.stl"
+    rotor.write_text("[[plane]]".join([head, *planes[:cut], *added[cut:]]), encoding="utf-8")
+    code, out, err = run(capsys, str(rotor), "--cut-part", str(file))
+    assert file.exists() == bool(cut)
+    if cut:
+        assert code == 0
+        assert err == f"inertia: {file} holds what is cut: weights and masses (II-1) are not in its mesh\n"
+    else:
+        assert (code, out) == (2, "")
+        assert "no correction plane is drilled or milled, and weights and masses are not put into the mesh" in err
+
+
 def test_the_report_is_written(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     file = tmp_path / "report.html"
     assert run(capsys, ROTOR, "--report", str(file))[0] == 0

@@ -38,6 +38,7 @@ class KeyFields(Section):
     convention : "H" half a key counts, "F" the full key, "N" none (ISO 21940-32)
     width, height, length : the height along the radius, the length along the shaft
     floor : distance of the keyway's floor from the axis
+    keyway : "shaft", from whose floor the key goes outwards, or "hub" of a fitment, inwards
     angle : degrees from 0°
     z : middle of the key along the shaft
     density : kg/m³
@@ -51,6 +52,7 @@ class KeyFields(Section):
     length: Annotated[float, number(_LENGTH, positive=True)]
     floor: Annotated[float, number(_LENGTH, positive=True)]
     z: Annotated[float, number(_LENGTH)]
+    keyway: Annotated[Literal["shaft", "hub"], choice("shaft", "hub")] = "shaft"
     angle: Annotated[float, number("degrees")] = 0.0
     density: Annotated[float, number("kg/m³", positive=True)] = 7850.0
 

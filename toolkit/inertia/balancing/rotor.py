@@ -164,7 +164,7 @@ class Rotor(Document):
             width, height, length, floor, z = (
                 self._metres * x for x in (key.width, key.height, key.length, key.floor, key.z)
             )
-            solid = Key(width, height, length, floor, math.radians(key.angle), z, key.density)
+            solid = Key(width, height, length, floor, math.radians(key.angle), z, key.density, key.keyway)
             masses += solid.point_masses(key.convention)
         return tuple(masses)
 
@@ -295,7 +295,7 @@ class Rotor(Document):
 
 @dataclass(frozen=True)
 class Key:
-    """A straight key of rectangular section in a keyway of the shaft, after the key convention (ISO 21940-32).
+    """A straight key of rectangular section in a keyway, after the key convention (ISO 21940-32).
 
     A shaft is balanced with half a key in its keyway (H) and the fitment with the other half, unless the parts are
     marked F: then the shaft takes the full key. N is no key at all.
@@ -307,6 +307,7 @@ class Key:
     angle : rad from 0°
     z : m, middle of the key along the shaft
     density : kg/m³
+    keyway : "shaft", from whose floor the key goes outwards, or "hub" of a fitment, inwards
 
     >>> key = Key(0.008, 0.007, 0.04, floor=0.011, angle=0.0, z=0.1, density=7850.0)
     >>> half, full = key.point_masses("H")[0], key.point_masses("F")[0]
@@ -321,6 +322,7 @@ class Key:
     angle: float
     z: float
     density: float
+    keyway: Literal["shaft", "hub"] = "shaft"
 
     def __post_init__(self) -> None:
         for name in ("width", "height", "length", "floor", "density"):
@@ -328,14 +330,15 @@ class Key:
                 raise UsageError(f"the {name} of the key is {value!r}: it must be positive and finite")
 
     def point_masses(self, convention: KeyConvention) -> tuple[PointMass, ...]:
-        """Return what stands for the key on the shaft: half its height from the floor up, all of it, or nothing."""
+        """Return what stands for the key: half its height from the floor on, all of it, or nothing."""
         if convention not in ("H", "F", "N"):
             raise UsageError(f"the key convention is {convention!r}: use 'H' (half key), 'F' (full key) or 'N' (none)")
         if convention == "N":
             return ()
         height = self.height if convention == "F" else 0.5 * self.height
         mass = self.density * self.width * height * self.length
-        return (PointMass(mass, self.floor + 0.5 * height, self.angle, self.z),)
+        outwards = -0.5 if self.keyway == "hub" else 0.5
+        return (PointMass(mass, self.floor + outwards * height, self.angle, self.z),)
 
 
 def json_schema() -> dict[str, Any]:

@@ -14,6 +14,8 @@ from inertia.records import dataclass
 
 Process = Literal["add", "remove", "drill_radial", "drill_axial", "mill", "mill_arc", "kit"]
 PROCESSES: tuple[Process, ...] = ("add", "remove", "drill_radial", "drill_axial", "mill", "mill_arc", "kit")
+CUTTING: tuple[Process, ...] = ("drill_radial", "drill_axial", "mill", "mill_arc")
+"""Those that take the mesh's own metal."""
 
 FULL_TURN = 2 * math.pi
 _DRILL = math.radians(118)
@@ -261,7 +263,7 @@ class CorrectionPlane:
     @property
     def cuts(self) -> bool:
         """Whether it is the mesh that is cut."""
-        return self.method in ("drill_radial", "drill_axial", "mill", "mill_arc")
+        return self.method in CUTTING
 
     def forbids(self, angle: float, margin: float = 0.0) -> bool:
         """Say whether a tool at `angle` that reaches `margin` to both sides (rad) comes into a forbidden sector."""
