@@ -91,6 +91,22 @@ def test_every_kind_of_face_becomes_triangles(tag: str, faces: list[list[int]], 
     assert as_set(corners) == as_set(CORNERS[expected])
 
 
+@pytest.mark.parametrize("tag", ["polygons", "polylist"])
+@pytest.mark.parametrize("first", range(6))
+def test_faces_that_are_not_convex_have_their_own_area(tag: str, first: int, tmp_path: Path) -> None:
+    corners = [(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)]
+    points = [(x, y, z) for z in (0, 2) for x, y in corners]
+    order = [(first + k) % 6 for k in range(6)]
+    sides = [[k, (k + 1) % 6, (k + 1) % 6 + 6, k + 6] for k in range(6)]
+    faces = [order[::-1], [k + 6 for k in order], *sides]
+    part = read_dae(tmp_path, dae(geometry_dae(corners=points, faces=faces, tag=tag)))
+    analysis = inertia.analyse(part)
+    scale = float(part.unit.metres)
+    assert analysis.area == pytest.approx(34 * scale**2, rel=1e-14)
+    assert analysis.properties.volume == pytest.approx(10 * scale**3, rel=1e-14)
+    assert part.notes == ("8 faces with more than three corners were split into triangles",)
+
+
 def test_every_digit_of_a_coordinate_counts(tmp_path: Path) -> None:
     corners = CORNERS / 3 + 10_000
     nodes = f"<node><matrix>1 0 0 0.1 0 1 0 0 0 0 1 0 0 0 0 1</matrix>{BOX_INSTANCE}</node>"

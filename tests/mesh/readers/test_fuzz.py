@@ -6,6 +6,7 @@ own, which takes half a second, so that a few mutations of a STEP file stand for
 """
 
 import os
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -83,6 +84,13 @@ def cells_of(part: Part) -> list[np.ndarray]:
     return list(part.triangles.corners())
 
 
+def outlines(cells: list[np.ndarray]) -> Counter[tuple[tuple[float, ...], tuple[float, ...]]]:
+    """Return the directed edges that have no opposite: those of faces, however these are split."""
+    points = [[tuple(point) for point in cell.tolist()] for cell in cells]
+    edges = Counter((a, b) for cell in points for a, b in zip(cell, cell[1:] + cell[:1], strict=True))
+    return edges - Counter({(b, a): count for (a, b), count in edges.items()})
+
+
 @pytest.mark.parametrize("sample", SAMPLES)
 def test_mutated_files_are_refused_or_read_as_a_second_reader_does(
     sample: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
@@ -98,7 +106,11 @@ def test_mutated_files_are_refused_or_read_as_a_second_reader_does(
         part = read_or_refuse(tmp_path / name, mutated)
         if part is not None:
             second = shape_of(part.source.format, mutated)
-            assert agree(cells_of(part), second), f"mutant {mutant} of {sample} is read otherwise by a second reader"
+            cells = cells_of(part)
+            same = agree(cells, second)
+            if not same and any("not convex" in note or "into triangles" in note for note in part.notes):
+                same = len(cells) == len(second) and outlines(cells) == outlines(second)  # it splits into fans
+            assert same, f"mutant {mutant} of {sample} is read otherwise by a second reader"
     assert capfd.readouterr() == ("", "")
 
 

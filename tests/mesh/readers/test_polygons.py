@@ -1,5 +1,6 @@
 """Polygons of text files: what splitting them decides is said, and places are those of the file."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -145,3 +146,59 @@ def test_what_moves_the_vertices_of_gltf_is_refused(tmp_path: Path, of_node: dic
     else:
         says = f"has a {what}, which moves its vertices: export it as a plain mesh"
         assert says in refused(tmp_path, "a.glb", glb(tree, binary))
+
+
+def prism(
+    outline: list[tuple[float, float]], first: int
+) -> tuple[list[tuple[float, float, float]], list[tuple[int, ...]]]:
+    """Return corners and faces of a prism of height 2, its caps given from their corner `first` on."""
+    count = len(outline)
+    order = [(first + k) % count for k in range(count)]
+    sides = [(k, (k + 1) % count, (k + 1) % count + count, k + count) for k in range(count)]
+    caps = [tuple(reversed(order)), tuple(k + count for k in order)]
+    return [(x, y, z) for z in (0, 2) for x, y in outline], [*caps, *sides]
+
+
+ELL = [(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)]
+STAR = [
+    ((3 - 2 * (k % 2)) * math.cos(math.pi * k / 12), (3 - 2 * (k % 2)) * math.sin(math.pi * k / 12)) for k in range(24)
+]
+BRIDGED = [(0, 0), (4, 0), (4, 4), (0, 4), (0, 0), (1, 1), (1, 3), (3, 3), (3, 1), (1, 1)]  # a square hole, by a bridge
+
+
+def measured(outline: list[tuple[float, float]]) -> tuple[float, float]:
+    """Return the area of an outline and its length (the shoelace formula)."""
+    pairs = list(zip(outline, outline[1:] + outline[:1], strict=True))
+    return sum(a * d - b * c for (a, b), (c, d) in pairs) / 2, sum(math.dist(*pair) for pair in pairs)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(("outline", "steps"), [(ELL, 1), (STAR, 5), (ELL[::-1], 1)])
+def test_faces_that_are_not_convex_have_their_own_area(
+    tmp_path: Path, kind: str, outline: list[tuple[float, float]], steps: int
+) -> None:
+    area, around = measured(outline)
+    for first in range(0, len(outline), steps):
+        points, faces = prism(outline, first)
+        for turn in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            turned = [tuple(point[k] for k in turn) for point in points]
+            (tmp_path / f"prism.{kind}").write_text(KINDS[kind](turned, faces))
+            part = read(tmp_path / f"prism.{kind}", unit="m")
+            solid = analyse(part, orientation="absolute")
+            assert solid.area == pytest.approx(2 * abs(area) + 2 * around, rel=1e-14)
+            assert solid.properties.volume == pytest.approx(2 * abs(area), rel=1e-14)
+            centre = analyse(part, shell=1.0).properties.center_of_mass
+            assert centre[turn.index(2)] == pytest.approx(1.0, rel=1e-14)
+
+
+def test_a_face_that_meets_itself_along_a_bridge_keeps_its_hole_open(tmp_path: Path) -> None:
+    (tmp_path / "ring.off").write_text(off([(x, y, 0) for x, y in BRIDGED], [tuple(range(len(BRIDGED)))]))
+    ring = analyse(read(tmp_path / "ring.off", unit="m"), shell=1.0)
+    assert ring.area == pytest.approx(12.0, rel=1e-14)
+
+
+def test_what_was_split_otherwise_is_said(tmp_path: Path) -> None:
+    assert notes(tmp_path, "off", off(*prism(ELL, 0))) == (
+        "8 faces with more than three corners were split from the first corner, 1 of them, which is not convex, along "
+        "other diagonals",
+    )

@@ -20,6 +20,7 @@ from inertia.mesh.part import CellBlock, Cells, Regions
 from inertia.mesh.readers.contents import (
     UNNAMED,
     Contents,
+    around_notches,
     check_indices,
     fan,
     fan_note,
@@ -103,7 +104,7 @@ def _regions(blocks: Sequence[Block], names: tuple[str, ...]) -> Regions | None:
 
 def _flat(points: Float, blocks: Sequence[Block], regions: Regions | None, notes: list[str]) -> Contents:
     faces, owners = [], []
-    first = curved = split = 0
+    first = curved = split = notched = 0
     for kind, nodes, _ in blocks:
         if kind == "polygon":
             triangles, owner = fan(np.full(len(nodes), nodes.shape[1]), nodes.reshape(-1))
@@ -116,12 +117,15 @@ def _flat(points: Float, blocks: Sequence[Block], regions: Regions | None, notes
                 )
             triangles = nodes[:, pattern].reshape(-1, 3)
             owner = np.repeat(np.arange(len(nodes)), len(pattern))
+        if kind in ("quad", "polygon") and triangles.size and 0 <= triangles.min() <= triangles.max() < len(points):
+            triangles, more = around_notches(points, triangles, owner)
+            notched += more
         faces.append(triangles)
         owners.append(owner + first)
         first += len(nodes)
         curved += len(nodes) if kind[-1].isdigit() else 0
         split += len(nodes) if kind == "quad" or (kind == "polygon" and nodes.shape[1] > 3) else 0
-    notes += fan_note(split)
+    notes += fan_note(split, notched)
     if curved:
         notes.append(f"{plural(curved, 'second-order cell')} {was(curved)} split into flat triangles")
     whole = surface(points, np.concatenate(faces).astype(np.int64))

@@ -28,7 +28,9 @@ from inertia.mesh.readers.contents import (
     MOST_NODES,
     Contents,
     Layout,
+    around_notches,
     check_indices,
+    fan,
     fan_note,
     numbers,
     plural,
@@ -205,7 +207,7 @@ def _checked(root: Element) -> Checked:
         _check_transforms(node)
     meshes = by_id(each for each in root.findall("library_geometries/geometry") if each.find("mesh") is not None)
     sizes = {name: _sizes_of_faces(geometry) for name, geometry in meshes.items()}
-    notes += fan_note(sum(int((each > 3).sum()) for each in sizes.values()))
+    notes += fan_note(sum(int((each > 3).sum()) for each in sizes.values()), how="into triangles")
     places = by_id([*root.iter("visual_scene"), *root.iter("node")])
 
     def inside(element: Hashable) -> tuple[int, Iterable[Hashable]]:
@@ -303,7 +305,7 @@ def _sizes_of_faces(geometry: Element) -> Int:
     assert mesh is not None
     what = f"geometry {shown(geometry.get('id', ''))}"
     sources = by_id(mesh.findall("source"))
-    points: dict[str, int] = {}
+    points: dict[str, Float] = {}
     for vertices in mesh.findall("vertices"):
         positions = [each for each in vertices.findall("input") if each.get("semantic") == "POSITION"]
         source = sources.get(positions[0].get("source", "")[1:]) if len(positions) == 1 else None
@@ -314,12 +316,13 @@ def _sizes_of_faces(geometry: Element) -> Int:
     return np.concatenate([np.empty(0, np.int64), *sizes])
 
 
-def _points(source: Element, what: str) -> int:
-    """Return the number of points in a source, three numbers each and nothing between them."""
+def _points(source: Element, what: str) -> Float:
+    """Return the points (k, 3) in a source, three numbers each and nothing between them."""
     array, accessor = source.find("float_array"), source.find("technique_common/accessor")
     if array is None or accessor is None:
         raise ReadError(f"{what} keeps its positions in another form than numbers: export it again")
-    count = len(finite_numbers(array, f"the positions of {what}"))
+    values = finite_numbers(array, f"the positions of {what}")
+    count = len(values)
     names = [param.get("name") for param in accessor.findall("param")]
     if names not in (["X", "Y", "Z"], [None] * 3) or accessor.get("source") != f"#{array.get('id')}":
         raise ReadError(f"{what} has positions that are no x, y and z: export it again")
@@ -330,11 +333,11 @@ def _points(source: Element, what: str) -> int:
             f"{stated[2]} numbers apart from number {stated[3]}: it was cut short, or export it with x, y, z alone",
             code="cut_short",
         )
-    return count // 3
+    return values.reshape(-1, 3)
 
 
-def _faces(element: Element, points: dict[str, int], what: str) -> Int:
-    """Return the corners of each face that an element of a mesh makes."""
+def _faces(element: Element, points: dict[str, Float], what: str) -> Int:
+    """Return the corners of each face that an element of a mesh makes; those not convex are split in the element."""
     if element.find("ph") is not None:
         raise ReadError(f"{what} has polygons with holes: export it as triangles", code="not_read")
     inputs = element.findall("input")
@@ -349,9 +352,9 @@ def _faces(element: Element, points: dict[str, int], what: str) -> Int:
         raise ReadError(
             f"{what} has a corner with fewer than {plural(stride, 'index')}: it was cut short", code="cut_short"
         )
+    offset, positions = int(vertex[0].get("offset", "")), points[vertex[0].get("source", "")[1:]]
     for each in lists:
-        corners = each.reshape(-1, stride)[:, int(vertex[0].get("offset", "")), None]
-        check_indices(corners, points[vertex[0].get("source", "")[1:]], f"{what}, corner")
+        check_indices(each.reshape(-1, stride)[:, offset, None], len(positions), f"{what}, corner")
     sizes = _sizes(element, [len(each) // stride for each in lists], what)
     if element.get("count", str(len(sizes))) != str(len(sizes)):
         raise ReadError(
@@ -363,6 +366,16 @@ def _faces(element: Element, points: dict[str, int], what: str) -> Int:
         raise ReadError(f"{what} has a face with {sizes.min()} corners, but a face has at least 3: export it again")
     if element.tag in ("tristrips", "trifans"):
         return np.full((sizes - 2).sum(), 3)
+    if len(sizes) and sizes.max() > 3:
+        rows = np.concatenate(lists).reshape(-1, stride)
+        faces, owner = fan(sizes, np.arange(len(rows)))
+        faces, notched = around_notches(positions[rows[:, offset]], faces, owner)
+        if notched:  # trimesh splits into fans
+            for old in (*element.findall("vcount"), *element.findall("p")):
+                element.remove(old)
+            element.tag = "triangles"
+            element.set("count", str(len(faces)))
+            SubElement(element, "p").text = " ".join(map(str, rows[faces].ravel().tolist()))
     return sizes
 
 

@@ -34,6 +34,7 @@ UNNAMED = "default"
 """The region of elements that the file puts in none, in a file that names some."""
 
 _AT_ONCE = 1 << 18  # triangles
+_BLUR = 2.0**-48  # over its sides, what rounding may turn a triangle by
 
 LINE_LIMIT = 16 * 2**20
 """Bytes in a line of a text file."""
@@ -251,8 +252,64 @@ def split_polygons(vertices: Float, counts: Int, corners: Int) -> tuple[Surface,
         if out.any():  # said of the polygon, as the file counts them
             at = int(np.argmax(out))
             check_indices(corners[at : at + 1, None], len(vertices), "face", int(np.argmax(np.cumsum(counts) > at)))
+    faces, notched = around_notches(vertices, faces, owner)
     whole = surface(vertices, faces)
-    return whole, owner, (*fan_note(int((counts > 3).sum())), *_unevenness(whole, owner))
+    return whole, owner, (*fan_note(int((counts > 3).sum()), notched), *_unevenness(whole, owner))
+
+
+def around_notches(vertices: Float, faces: Int, owner: Int) -> tuple[Int, int]:
+    """Return the triangles of fans (m, 3), with polygons that their fan leaves split anew, and how many these are.
+
+    Where a corner is reflex, triangles of the fan may fold over each other: their volume is that of the polygon, their
+    area is not. Such a polygon is split as it looks along the axis that its normal is nearest to.
+
+    Parameters
+    ----------
+    owner : (m,), ascending, the polygon of each triangle
+    """
+    notched, begin = 0, 0
+    while begin < len(faces):
+        end = int(np.searchsorted(owner, owner[min(begin + _AT_ONCE, len(faces)) - 1], side="right"))
+        folded = (
+            _folded(vertices[faces[begin:end]], owner[begin:end])
+            if owner[end - 1] - owner[begin] < end - begin - 1
+            else ()
+        )
+        for first, last, axis, forward in folded:
+            if notched == 0:
+                faces = faces.copy()
+            rows = slice(begin + first, begin + last)
+            corners = np.append(faces[rows][0, :2], faces[rows][:, 2])
+            flat = vertices[corners][:, [(axis + 1) % 3, (axis + 2) % 3]]
+            anew = _split(flat if forward else flat[:, ::-1])
+            if anew.shape == faces[rows].shape:  # else it crosses itself
+                faces[rows] = corners[anew]
+            notched += 1
+        begin = end
+    return faces, notched
+
+
+def _folded(points: Float, owner: Int) -> Iterator[tuple[int, int, int, bool]]:
+    """Yield the first triangle and the one behind of each fan that folds over itself, and where its polygon looks."""
+    first = np.flatnonzero(np.append(True, owner[1:] != owner[:-1]))
+    counts = np.diff(np.append(first, len(owner)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        one, other = points[:, 1] - points[:, 0], points[:, 2] - points[:, 0]
+        normals = np.cross(one, other)
+        whole = np.add.reduceat(normals, first, axis=0)
+        each = np.repeat(whole, counts, axis=0)
+        along = np.einsum("ij,ij->i", normals, each)
+        blur = _BLUR * np.prod([np.linalg.norm(k, axis=1) for k in (one, other, each)], axis=0)
+    for k in np.flatnonzero(np.logical_or.reduceat(along < -blur, first) & (counts > 1)).tolist():
+        axis = int(np.argmax(np.abs(whole[k])))
+        yield int(first[k]), int(first[k] + counts[k]), axis, bool(whole[k, axis] > 0)
+
+
+def _split(polygon: Float) -> Int:
+    """Return the triangles (m, 3) between the corners (n, 2) of a polygon that runs counter-clockwise."""
+    from manifold3d import triangulate  # slow to import, and most polygons need none
+
+    return np.asarray(triangulate([np.ascontiguousarray(polygon - polygon[0])]), np.int64)
 
 
 def _unevenness(whole: Surface, owner: Int) -> tuple[str, ...]:
@@ -288,11 +345,15 @@ def _unevenness(whole: Surface, owner: Int) -> tuple[str, ...]:
     )
 
 
-def fan_note(split: int) -> tuple[str, ...]:
-    """Return the sentence that says how many polygons were split, if any were."""
+def fan_note(split: int, notched: int = 0, how: str = "from the first corner") -> tuple[str, ...]:
+    """Return the sentence that says how many polygons were split, if any were, and how many of them otherwise."""
     if not split:
         return ()
-    return (f"{plural(split, 'face')} with more than three corners {was(split)} split from the first corner",)
+    otherwise = f", {notched} of them, which {'is' if notched == 1 else 'are'} not convex, along other diagonals"
+    return (
+        f"{plural(split, 'face')} with more than three corners {was(split)} split {how}"
+        + (otherwise if notched else ""),
+    )
 
 
 def surface(vertices: Float, faces: Int) -> Surface:
