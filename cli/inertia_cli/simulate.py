@@ -87,7 +87,7 @@ def add(parsers: Any) -> None:
         action="append",
         default=[],
         metavar="NAME=LEVEL",
-        help="count the draws in which a quantity reaches a level, as tilt=1.57, and say when first; repeat it",
+        help="count the draws in which a quantity reaches a level, as tilt=1.57, and say when first; repeat it for others",
     )
     vary.add_argument("--jobs", type=int, metavar="N", help="processes to share the draws among (as it pays)")
     vary.add_argument("--dask", metavar="ADDRESS", help="scheduler of a Dask cluster to send the draws to")
@@ -210,6 +210,10 @@ def _levels(words: list[str]) -> dict[str, float]:
             levels[name.strip()] = float(level)
         except ValueError:
             raise UsageError(f"--reaches {word} names no level: write it as tilt=1.57") from None
+    if len(levels) < len(words):
+        names = [word.rpartition("=")[0].strip() for word in words]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise UsageError(f"--reaches is given twice for {twice}: give one level of a quantity")
     return levels
 
 

@@ -310,6 +310,10 @@ def test_draws_are_written_as_a_table(suffix: str, capsys: pytest.CaptureFixture
         (("--draws", "5"), "--draws goes with many runs"),
         (("--vary", "body.mass"), "says no law"),
         (("--vary", "start.angular_velocity[0]=1..2", "--reaches", "tilt"), "names no level"),
+        (
+            ("--vary", "start.angular_velocity[0]=1..2", "--reaches", "tilt=1", "--reaches", "tilt=2"),
+            "--reaches is given twice for tilt: give one level of a quantity",
+        ),
         (("--vary", "body.mass=±1%"), "body.mass is not stated"),
         (("--vary", "start.angular_velocity[0]=1..2", "--vary", "start.angular_velocity[0]=1"), "given twice"),
         (("--vary", "start.angular_velocity[0]=1..2", "--live"), "--live is of one run"),

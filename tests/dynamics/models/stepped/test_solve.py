@@ -197,7 +197,13 @@ def test_nearly_free_body_near_its_separatrix_is_warned_of() -> None:
     assert "every 1.73 s" in message
 
 
-@pytest.mark.parametrize("problem", [near_separatrix(1.0), case("free").problem, RotationProblem([1, 1, 2], [0, 1, 1])])
+HANGING = RotationProblem([1, 2, 3], [0, 1, 0], loads=(Gravity([0, 0, -9.81]),), mass=1.0, arm=[0, 0, -0.5])
+"""A pendulum: what pulls it back vanishes where it starts, and it never turns over."""
+
+
+@pytest.mark.parametrize(
+    "problem", [near_separatrix(1.0), case("free").problem, RotationProblem([1, 1, 2], [0, 1, 1]), HANGING]
+)
 def test_other_bodies_are_not(problem: RotationProblem) -> None:
     assert solve_stepped(problem, [0.0, 1.0], 1e-6).warnings == ()
 

@@ -292,7 +292,10 @@ def _warnings(problem: RotationProblem) -> tuple[str, ...]:
     square = float((momentum**2).sum())
     if not square or low == middle or middle == high:
         return ()
-    pull = np.abs(problem.torque(problem.start, problem.attitude, problem.angular_velocity)).max()
+    # As the body turns, too: the torque of gravity may happen to vanish where it starts.
+    turns = quaternion.from_rotation_vector(np.vstack([np.zeros(3), np.eye(3)]))
+    turned = (quaternion.multiply(problem.attitude, turn) for turn in turns)
+    pull = max(np.abs(problem.torque(problem.start, each, problem.angular_velocity)).max() for each in turned)
     distance = abs(float((momentum**2 * (middle / problem.moments - 1.0)).sum())) / square
     if pull * middle > 1e-3 * square or distance > 1e-6:
         return ()
