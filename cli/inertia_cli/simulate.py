@@ -87,7 +87,7 @@ def add(parsers: Any) -> None:
         action="append",
         default=[],
         metavar="NAME=LEVEL",
-        help="count the draws in which a quantity reaches a level, as tilt=1.57, and say when first; repeat it for others",
+        help="count the draws in which a quantity reaches a level, as tilt=1.57, and when first; repeat it for others",
     )
     vary.add_argument("--jobs", type=int, metavar="N", help="processes to share the draws among (as it pays)")
     vary.add_argument("--dask", metavar="ADDRESS", help="scheduler of a Dask cluster to send the draws to")
