@@ -248,3 +248,114 @@ def test_a_larger_shell_that_is_inside_out_is_no_sliver() -> None:
     mesh = joined(cube(), inside_out(sliver((3, 0, 0), 2e-3)))
     with pytest.raises(GeometryError, match="1 shell inside out beside others"):
         inertia.analyse(Part.from_arrays(mesh.vertices, mesh.faces))
+
+
+def part_of(*meshes: Mesh, unit: str) -> Part:
+    surface = joined(*meshes)
+    return Part.from_arrays(surface.vertices, surface.faces, unit=unit)
+
+
+def of_boxes(*boxes: tuple[int, Mesh]) -> tuple[np.ndarray, np.ndarray, Fraction]:
+    """Return tensor, ∫x xᵀ about the centre and volume of boxes along the axes, each counted so many times; exactly."""
+    sums = [Fraction(0)] * 13
+    for times, (vertices, _) in boxes:
+        exact = [[Fraction(x) for x in corner.tolist()] for corner in (vertices.min(axis=0), vertices.max(axis=0))]
+        sums = [a + times * b for a, b in zip(sums, box_moments(*exact), strict=True)]
+    volume, *rest = sums
+    second = np.array(
+        [rest[3 + k] - rest[i] * rest[j] / volume for k, (i, j) in enumerate(_AXES)], dtype=object
+    ).reshape(3, 3)
+    return np.trace(second) * np.eye(3, dtype=int) - second, second, volume
+
+
+def far_speck(distance: float, edge: float = 2e-4) -> tuple[Mesh, Mesh]:
+    """Return a rod of aspect 10⁴, and a cube beside it, of less than a billionth of its volume."""
+    return box((0, 0, 0), (100, 0.01, 0.01)), box((50, distance, 0), (50 + edge, distance + edge, edge))
+
+
+@pytest.mark.parametrize("distance", [200.0, 300.0])
+@pytest.mark.parametrize("accuracy", [None, 1e-9, "exact"])
+def test_a_speck_that_is_most_of_a_moment_is_no_sliver(distance: float, accuracy: float | str | None) -> None:
+    rod, speck = far_speck(distance)
+    assert of_boxes((1, rod), (-1, speck))[0][0, 0] < 0  # as stored: a moment that no body has
+    part = part_of(rod, inside_out(speck), unit="mm")
+    assert not inertia.check(part).fit
+    with pytest.raises(GeometryError, match=rf"inside out .* around \(50.0, {distance}, 0.0\).*absolute") as refusal:
+        inertia.mass_properties(part, accuracy=accuracy)
+    assert refusal.value.exit_code == 4
+    surface = part.triangles
+    assert "inside out" in inertia.many(surface.vertices[None], surface.faces).refusals[0]
+    for allowed in (1e-6, 0.5):  # of the tensor it is 1e-7, of a moment all
+        with pytest.raises(GeometryError, match="inside out"):
+            inertia.analyse(part, allow_faults=allowed)
+    turned = inertia.mass_properties(part, 1e3, orientation="absolute", accuracy=accuracy)
+    tensor, _, _ = of_boxes((1, rod), (1, speck))
+    assert turned.principal_moments[0] == pytest.approx(float(tensor[0, 0]) * 1e-12, rel=1e-9)
+
+
+def test_a_speck_that_takes_a_plate_its_thickness_is_no_sliver() -> None:
+    plate, speck = box((0, 0, 0), (100, 100, 0.01)), box((50, 50, 300), (50.004, 50.004, 300.004))
+    tensor, second, _ = of_boxes((1, plate), (-1, speck))
+    assert min(tensor[k, k] for k in range(3)) > 0 > second[2, 2]  # the moments are positive, and of no body
+    with pytest.raises(GeometryError, match="inside out"):
+        inertia.analyse(part_of(plate, inside_out(speck), unit="mm"))
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_what_is_answered_beside_a_sliver_has_the_moments_of_a_body(seed: int) -> None:
+    """Boxes of any aspect and inverted specks from beside them to far away: refused, or with moments that are told."""
+    rng = np.random.default_rng(seed)
+    sides = 10.0 ** rng.uniform(-3, 3, 3)
+    edge = float(np.prod(sides) * 10.0 ** rng.uniform(-14, -9.1)) ** (1 / 3)
+    way = rng.normal(size=3)
+    place = way / np.linalg.norm(way) * sides.max() * 10.0 ** rng.uniform(0, 4) + sides
+    solid, speck = box((0, 0, 0), tuple(sides)), box(tuple(place), tuple(place + edge))
+    part = part_of(solid, inside_out(speck), unit="m")
+    try:
+        answer = inertia.mass_properties(part, 1.0)
+    except GeometryError:
+        second, other = of_boxes((1, solid))[1], of_boxes((1, solid), (-1, speck))[1]
+        assert max(abs(float(1 - other[k, k] / second[k, k])) for k in range(3)) > 0.01  # it was not for nothing
+        return
+    assert (answer.principal.moment_bounds < answer.principal_moments).all()
+    for times in (-1, 0, 1):
+        tensor, second, _ = of_boxes((1, solid), (times, speck))
+        off = np.linalg.norm(np.array(answer.inertia - tensor, float))
+        assert off <= (answer.error.inertia + 1e-15) * np.linalg.norm(np.array(tensor, float))
+        assert all(second[k, k] > 0 for k in range(3))
+
+
+def askew_needle(distance: int) -> Part:
+    """Return a needle of aspect 10⁸ along (1, 1, 1), on integers, and an inverted speck beside its middle."""
+    vertices, faces = cube(size=2.0)
+    needle = vertices @ np.array([[1, 1, 1], [1, -1, 0], [1, 1, -2]]) * 1.0
+    needle += vertices[:, :1] * (2.0**27 - 1)
+    speck = cube((distance, -distance, 0), 0.5)
+    return part_of((needle, faces), inside_out(speck), unit="m")
+
+
+def test_a_needle_that_float64_cannot_tell_is_refused_by_its_moments() -> None:
+    near = inertia.mass_properties(askew_needle(64), 1.0)
+    assert (near.principal.moment_bounds < near.principal_moments).all()
+    part = askew_needle(2**20)
+    for accuracy in (None, "exact"):
+        with pytest.raises(
+            GeometryError, match=r"not physical: .*sliver: 1 shell .* around .*take that out"
+        ) as refusal:
+            inertia.mass_properties(part, 1.0, accuracy=accuracy)
+        assert refusal.value.code == "unphysical"
+    lost = askew_needle(3 * 2**16)
+    with pytest.raises(GeometryError, match=r"may be off by .*sliver: 1 shell .* around .*take that out"):
+        inertia.mass_properties(lost, 1.0)
+
+
+def test_two_bodies_far_apart_have_their_moments_though_float64_has_not() -> None:
+    """The sums in float64 leave two negative moments here, whose determinant is positive."""
+    block, speck = box((0, 0, 0), (1, 1, 1)), box((1e6, 0, 0), (1e6 + 2.0**-13, 2.0**-13, 2.0**-13))
+    answer = inertia.mass_properties(part_of(block, speck, unit="m"), 1.0)
+    tensor, _, _ = of_boxes((1, block), (1, speck))
+    assert answer.error.inertia < 1e-9
+    off = np.linalg.norm(np.array(answer.inertia - tensor, float))
+    assert off <= answer.error.inertia * np.linalg.norm(np.array(tensor, float))
+    with pytest.raises(GeometryError, match="inside out"):
+        inertia.mass_properties(part_of(block, inside_out(speck), unit="m"), 1.0)

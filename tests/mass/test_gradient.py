@@ -336,6 +336,16 @@ def test_a_vertex_that_no_triangle_uses_has_a_row_of_zeros() -> None:
     assert gradient.volume[:-1].any()
 
 
+def test_derivatives_of_a_wire_follow_the_densities_of_its_regions() -> None:
+    """Two rods along one line, of 3 and 4 m: their ends draw mass in by density times section for each metre."""
+    lines = (CellBlock("vertex", np.array([[1]])), CellBlock("line", np.array([[0, 1], [1, 2]])))
+    cells = Cells(np.array([[0, 0, 0], [3, 0, 0], [7, 0, 0]], float), lines)
+    part = Part(cells, length_unit("m"), "option", regions=Regions(("a", "b"), np.array([0, 0, 1], np.int32)))
+    gradient = inertia.gradient(part, {"a": 10, "b": 20}, wire=2.0)
+    np.testing.assert_allclose(gradient.mass[:, 0], [-20, 20 - 40, 40], atol=1e-12)
+    np.testing.assert_allclose(gradient.mass[:, 1:], 0, atol=1e-12)
+
+
 def test_derivatives_of_a_curved_wire_follow_its_arc() -> None:
     points = np.array([[0.0, 0.0, 0.0], [2.0, 0.5, 0.25], [1.25, 0.75, -0.5]])  # the ends, and a place between them
     part = Part(Cells(points, (CellBlock("line3", np.array([[0, 1, 2]])),)), length_unit("m"), "option")

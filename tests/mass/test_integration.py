@@ -17,7 +17,8 @@ from inertia.errors import GeometryError, UsageError
 from inertia.mass import integration
 from inertia.mesh.geometry.closure import closure
 from inertia.mesh.geometry.simple import at_hand
-from inertia.mesh.part import CellBlock, Cells, Part, Regions
+from inertia.mesh.part import CellBlock, Cells, Part, Regions, Source
+from inertia.report.analysis.text import source_lines
 from inertia.units import METRE, length_unit
 from inertia_meshes import catalogue, path
 from inertia_meshes.rational import moments
@@ -377,9 +378,58 @@ class TestWiresAndPoints:
         frame = inertia.wire(corners, 1.0)
         np.testing.assert_allclose(inertia.mass_properties(part, 1.0, wire=1.0).inertia, frame.inertia, atol=1e-13)
 
-    def test_a_wire_has_one_density(self):
-        with pytest.raises(UsageError, match="no region or body called 'a'"):
-            inertia.analyse(cells("line", [[0, 0, 0], [1, 0, 0]], regions=["a"]), {"": 1, "a": 2}, wire=1.0)
+    @pytest.mark.parametrize("names", [("copper", "steel"), ("1", "2")])
+    def test_regions_of_a_wire_have_densities(self, names):
+        """A bar of 3 along x and one of 4 along y: about an end along it 0, across it m L²/3, parallel axes beside."""
+        part = cells("line", [[0, 0, 0], [3, 0, 0]], [[3, 0, 0], [3, 4, 0]], regions=names)
+        result = inertia.analyse(part, dict(zip(names, (10, 20), strict=True)), wire=2, about=(0, 0, 0))
+        along, across = 10 * 2 * 3, 20 * 2 * 4
+        tensor = [[across * 16 / 3, -across * 3 * 2, 0], [-across * 3 * 2, along * 3 + across * 9, 0]]
+        tensor.append([0, 0, along * 3 + across * (9 + 16 / 3)])
+        assert result.properties.mass == along + across
+        assert shares(result) == {names[0]: (10.0, 6.0), names[1]: (20.0, 8.0)}
+        np.testing.assert_allclose(result.properties.center_of_mass, [(90 + 480) / 220, 320 / 220, 0], rtol=1e-14)
+        np.testing.assert_allclose(result.about[1], tensor, rtol=1e-14)
+
+    @pytest.mark.parametrize("names", [("copper", "steel"), ("1", "2")])
+    def test_each_region_of_a_wire_needs_its_density(self, names):
+        part = cells("line", [[0, 0, 0], [3, 0, 0]], [[3, 0, 0], [3, 4, 0]], regions=names)
+        with pytest.raises(UsageError, match=f"no density is given for {names[1]!r}"):
+            inertia.analyse(part, {names[0]: 10}, wire=2)
+        assert inertia.mass_properties(part, {names[0]: 10, "": 20}, wire=2).mass == 220
+        with pytest.raises(UsageError, match=f"no region or body called 'brass': it has {names[0]!r}, {names[1]!r}"):
+            inertia.analyse(part, {"brass": 10, "": 20}, wire=2)
+
+    def test_densities_of_a_wire_s_regions_count_as_proportions_beside_a_mass(self):
+        part = cells("line", [[0, 0, 0], [3, 0, 0]], [[3, 0, 0], [3, 4, 0]], regions=["a", "b"])
+        result = inertia.analyse(part, {"a": 1, "b": 2}, mass=11, wire=2)
+        assert result.properties.center_of_mass[1] == pytest.approx(320 / 220, rel=1e-14)
+
+    def test_curved_wires_and_lines_in_no_region(self):
+        """A straight `line3` beside a line that no region holds, and a region of a point, which needs no density."""
+        points = np.array([[0, 0, 0], [2, 0, 0], [1, 0, 0], [0, 0, 5]], float)
+        blocks = (
+            CellBlock("vertex", np.array([[3]])),
+            CellBlock("line3", np.array([[0, 1, 2]])),
+            CellBlock("line", np.array([[0, 3]])),
+        )
+        part = Part(Cells(points, blocks), METRE, regions=Regions(("pin", "rail"), np.array([0, 1, -1], np.int32)))
+        result = inertia.analyse(part, {"rail": 3, "": 7}, wire=1.0)
+        assert result.properties.mass == pytest.approx(3 * 2 + 7 * 5, rel=1e-14)
+        with pytest.raises(UsageError, match="no density is given"):
+            inertia.analyse(part, {"rail": 3}, wire=1.0)
+
+    @pytest.mark.parametrize("density", [1.0, {"1": 1.0}, {"a": 1.0}])
+    def test_lines_without_length_have_no_mass(self, density):
+        part = cells("line", [[1, 0, 0], [1, 0, 0]], regions=["a"] if "a" in str(density) else ())
+        with pytest.raises(GeometryError, match="the mass, 0 kg, is not above"):
+            inertia.analyse(part, density, wire=1.0)
+
+    def test_a_wire_without_regions_is_body_1(self):
+        part = cells("line", [[0, 0, 0], [3, 0, 0]])
+        assert inertia.mass_properties(part, {"1": 10}, wire=2).mass == 60
+        with pytest.raises(UsageError, match="no region or body called '2': it has '1'"):
+            inertia.analyse(part, {"1": 10, "2": 20}, wire=2)
 
     def test_lines_and_points_are_no_solids(self):
         for kind, nodes in (("line", [[0, 0, 0], [1, 0, 0]]), ("vertex", [[0, 0, 0]])):
@@ -463,10 +513,18 @@ class TestCells:
         assert result.properties.mass == pytest.approx(2, rel=1e-14)
 
     def test_cells_numbered_the_other_way_round_count_and_are_said(self):
-        result = inertia.analyse(cells("tetra", [TETRA[k] for k in (1, 0, 2, 3)]))
+        part = replace(cells("tetra", [TETRA[k] for k in (1, 0, 2, 3)]), source=Source(None, "arrays"))
+        result = inertia.analyse(part)
         assert_within_bound(result.properties, weighed((hull(TETRA), 1000)))
         (note,) = result.notes + inertia.analyse(cells("tetra", TETRA)).notes
-        assert note.startswith("1 cells number their nodes the other way round")
+        assert note == "1 cell numbers its nodes the other way round: its volume counts positive"
+        assert any(" 1 cell, 1 body" in line for line in source_lines(result))
+        assert ">1 cell<" in result.part._repr_html_()
+        other = moved(np.array(TETRA, float), 10, 0, 0)
+        two = cells("tetra", *([tetra[k] for k in (1, 0, 2, 3)] for tetra in (TETRA, other.tolist())))
+        assert inertia.analyse(two).notes == (
+            "2 cells number their nodes the other way round: their volume counts positive",
+        )
 
 
 def bar(width, generator):

@@ -401,12 +401,9 @@ NASTRAN = {
 
 
 def nastran_number(text: str) -> float:
-    """A real number, whose exponent may have no letter: 1.5-3."""
-    return float(
-        re.sub(r"(?<=[\d.])([-+])", r"e\1", text.strip().lower().replace("d", "e").replace("e", ""))
-        if re.search(r"[\d.][-+]", text)
-        else text
-    )
+    """A real number, whose exponent may have no letter, or a D: 1.5-3; blank it is 0."""
+    plain = text.strip().lower().replace("d", "e") or "0"
+    return float(re.sub(r"(?<=[\d.])e?([-+])", r"e\1", plain))
 
 
 def nastran(data: bytes) -> list[Cell]:
@@ -421,6 +418,7 @@ def nastran(data: bytes) -> list[Cell]:
         else:
             width = 16 if "*" in line[:8] else 8
             fields = [line[:8], *(line[i : i + width] for i in range(8, 72, width))]
+        fields += [""] * ((5 if "*" in fields[0] else 9) - len(fields))
         if fields[0].strip()[:1] in ("", "*", "+"):
             cards[-1] += fields[1:]
         else:

@@ -4,6 +4,7 @@ import contextlib
 import importlib
 import io
 import struct
+from fractions import Fraction
 from pathlib import Path
 
 import meshio
@@ -23,6 +24,7 @@ from tests.mesh.readers.samples import (
     volumes,
 )
 
+from inertia import mass_properties
 from inertia.errors import ReadError
 from inertia.mesh.part import Cells, Part
 from inertia.mesh.read import read
@@ -271,7 +273,7 @@ def test_points_in_a_plane_have_z_zero(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("number", "nodes", "kind"),
-    [(42, 4, "polyhedron"), (71, 20, "VTK_LAGRANGE_TETRAHEDRON"), (15, 10, "penta_prism"), (8, 4, "pixel")],
+    [(42, 4, "polyhedron"), (71, 20, "VTK_LAGRANGE_TETRAHEDRON"), (15, 10, "penta_prism")],
 )
 def test_cells_that_are_not_understood_are_refused_by_name(number: int, nodes: int, kind: str, tmp_path: Path) -> None:
     points = " ".join(["0 0 0"] * nodes)
@@ -370,7 +372,29 @@ def test_the_smallest_abaqus_set_that_holds_a_cell_names_it(tmp_path: Path) -> N
         ("a.bdf", NASTRAN.replace("1.1\n*", "1.\n1\n*"), "has no fields"),
         ("a.bdf", NASTRAN.replace("*       0.1", "* $     0.1"), "has no fields"),
         ("a.bdf", NASTRAN.replace("1.1,1.1,1.1", "1.1,1.1,1.$1"), "a comment begins within a field"),
-        ("a.bdf", NASTRAN.replace("CTETRA,2,8,2,3,4,5", ",8,1"), "continuation ',8,1' has no name"),
+        (
+            "a.bdf",
+            NASTRAN.replace("CTETRA,2,8,2,3,4,5", ",8,1"),
+            "CTETRA '1' names grid point 8, which it does not have",
+        ),
+        (
+            "a.bdf",
+            NASTRAN.replace("CTETRA,2,8,2,3,4,5", "CTETRA,2,8,2,3,,5"),
+            "CTETRA '2' has 3 nodes: it needs 4 corners",
+        ),
+        ("a.bdf", NASTRAN.replace("CTETRA,2,8,2,3,4,5", "CTETRA,2,8,2,3,4,5,1,1,\n,1,1,1,1,1"), "'2' has 11 nodes"),
+        ("a.bdf", NASTRAN.replace("CTETRA,2,8,2,3,4,5", "CTETRA,2,8,2,3,4,x"), "'x', which is not a whole number"),
+        ("a.bdf", NASTRAN.replace("1.1,1.1,1.1", "1.1,1.1,1.F1"), "GRID 5 holds '1.F1', which is not a number"),
+        ("a.bdf", NASTRAN.replace("CTETRA,2,8,2,3,4,5", "CTETRA,2,8,2,3,4," + 5000 * "5"), "not a whole number"),
+        ("a.bdf", NASTRAN.replace("1.1,1.1,1.1", "1.1,1.1,1.+999999999"), "not finite"),
+        (
+            "a.bdf",
+            NASTRAN.replace("1.1,1.1,1.1", "1.1,1.1,1.+999999999").replace(",2,3,4,5", ",2,3,4,5,,1"),
+            "not finite",
+        ),
+        ("a.bdf", NASTRAN.replace("\n*       0.1", ""), "GRID 3 has two coordinates"),
+        ("a.bdf", NASTRAN.replace("CTETRA,2", "  CTETRA,2"), "begins with blanks"),
+        ("a.bdf", NASTRAN.replace("$ a comment", ",7,8"), "',7,8' continues no card"),
         ("a.su2", SU2.replace("0 0 0\n", "0 0\n"), "rows of its NPOIN are not alike"),
         ("a.su2", SU2.replace("10 0 1 2 3", "10 0 1 2"), "rows of its NELEM are not alike"),
         ("a.su2", SU2.replace("NELEM= 2", "NELEM= 1"), "stands outside its tables"),
@@ -440,6 +464,180 @@ def test_comments_behind_the_fields_of_nastran_are_left_aside(comment: str, tmp_
     assert [block.nodes.tolist() for block in part.geometry.blocks] == [
         block.nodes.tolist() for block in plain.geometry.blocks
     ]
+
+
+HEXAHEDRON = np.array([[x, y, z] for z in (0, 3) for x, y in ((0, 0), (1, 0), (1, 2), (0, 2))], float)
+NASTRAN_MIDDLES = {
+    "CTETRA": ("tetra10", [0, 1, 2, 3, 4, 5]),
+    "CPYRAM": ("pyramid13", [*range(8)]),
+    "CPENTA": ("wedge15", [0, 1, 2, 6, 7, 8, 3, 4, 5]),
+    "CHEXA": ("hexahedron20", [0, 1, 2, 3, 8, 9, 10, 11, 4, 5, 6, 7]),
+}
+"""Nastran's midside nodes, from the figures of its Quick Reference Guide, as places in VTK's order of them."""
+
+
+def bulk(*cards: str) -> str:
+    return "\n".join(["BEGIN BULK", *cards, "ENDDATA", ""])
+
+
+def grid(points: np.ndarray) -> list[str]:
+    return [f"GRID,{k},,{','.join(map(str, map(float, point)))}" for k, point in enumerate(points, 1)]
+
+
+CORNERS_OF_8 = "".join(f"{k:<8}" for k in (1, 1, 1, 2, 3, 4, 5, 6))
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ["CHEXA,1,1,1,2,3,4,5,6", ",7,8"],
+        ["CHEXA,1,1,1,2,3,4,5,6,", ",7,8"],
+        ["CHEXA,1,1,1,2,3,4,5,6,+a", "+b,7,8"],
+        ["CHEXA,1,1,1,2,3,4,5,6", "       ,7,8"],
+        ["CHEXA   " + CORNERS_OF_8, "        7       8"],
+        ["CHEXA   " + CORNERS_OF_8.rstrip(), "        7       8       "],
+        ["CHEXA   " + CORNERS_OF_8 + "        ", "        7       8"],
+        ["CHEXA   " + CORNERS_OF_8 + "+A", "+A      7       8"],
+        ["CHEXA   " + CORNERS_OF_8, ",7,8"],
+        ["CHEXA\t" + CORNERS_OF_8.replace("       ", "\t"), "\t7\t8"],
+        ["CHEXA   " + CORNERS_OF_8, "$ between", "", "        7       8"],
+    ],
+)
+def test_nastran_s_continuations_need_no_name(lines: list[str], tmp_path: Path) -> None:
+    part = read_text(tmp_path, "a.bdf", bulk(*grid(HEXAHEDRON), *lines))
+    assert isinstance(part.geometry, Cells)
+    ((kind, nodes),) = [(block.kind, block.nodes.tolist()) for block in part.geometry.blocks]
+    assert (kind, nodes) == ("hexahedron", [[*range(8)]])
+    assert mass_properties(part, 1.0).mass == pytest.approx(6e-9, rel=1e-14)
+
+
+def test_a_continued_card_that_is_left_aside_takes_its_lines_along(tmp_path: Path) -> None:
+    text = bulk(*grid(HEXAHEDRON[[0, 1, 3, 4]]), "MAT9,1,1.,2.,3.,4.,5.,6.,7.", ",8.,9.", "CTETRA,1,1,1,2,3,4")
+    assert mass_properties(read_text(tmp_path, "a.bdf", text), 1.0).mass == pytest.approx(1e-9, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "seven", ["7.0", "7.", ".7E1", "0.7+1", ".70+1", "7.E+0", "70.-1", ".7D1", "7.D+0", "70.d-1", "+.7e+01", "7"]
+)
+@pytest.mark.parametrize("large", [False, True])
+def test_reals_of_nastran(seven: str, large: bool, tmp_path: Path) -> None:
+    """The Quick Reference Guide's ways of writing 7, those in double precision too; a blank coordinate is 0."""
+    point = (
+        f"GRID*   {4:<16}{'':<16}{'':<16}{'':<16}\n*       {seven:<16}" if large else f"GRID    {4:<24}{'':<8}{seven}"
+    )
+    corners = ["GRID,1,,0.,0.,0.", "GRID,2,0,1.,,", "GRID,3,,0.,1.,0.", point]
+    part = read_text(tmp_path, "a.bdf", bulk(*corners, "CTETRA,1,1,1,2,3,4"))
+    assert isinstance(part.geometry, Cells)
+    assert part.geometry.points.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 7]]
+    assert part.rounding is None
+
+
+@pytest.mark.parametrize("card", NASTRAN_MIDDLES)
+@pytest.mark.parametrize("which", ["none", "first", "some", "all but one"])
+def test_blank_midside_nodes_are_in_the_middles_of_their_edges(card: str, which: str, tmp_path: Path) -> None:
+    """The element's volume is that of the same corners without any; one node that is off its edge counts."""
+    kind, order = NASTRAN_MIDDLES[card]
+    count = len(MIDDLES[kind])
+    corners = HEXAHEDRON[
+        {"CTETRA": [0, 1, 3, 4], "CPYRAM": [0, 1, 2, 3, 4], "CPENTA": [0, 1, 3, 4, 5, 7]}.get(card, slice(8))
+    ]
+    middles = np.array([corners[[*edge]].mean(axis=0) for edge in MIDDLES[kind]])[order]
+    given = {"none": [], "first": [0], "some": [1, count - 1], "all but one": [*range(count - 1)]}[which]
+    points = np.concatenate([corners, middles[given]])
+    names = iter(range(len(corners) + 1, len(points) + 1))
+    nodes = [*map(str, range(1, len(corners) + 1)), *(str(next(names)) if k in given else "" for k in range(count))]
+    fields = ["1", "1", *nodes]
+    lines = [",".join(["" if k else card, *fields[k : k + 8]]) for k in range(0, len(fields), 8)]
+    part = read_text(tmp_path, "a.bdf", bulk(*grid(points), *lines))
+    assert isinstance(part.geometry, Cells)
+    (block,) = part.geometry.blocks
+    places = part.geometry.points[block.nodes[0]]
+    assert np.array_equal(places[: len(corners)], corners)
+    if which == "none":
+        assert len(places) == len(corners)
+    else:
+        assert block.kind == kind
+        assert np.array_equal(places[len(corners) :], middles[np.argsort(order)])
+    volume = {"CTETRA": 1, "CPYRAM": 2, "CPENTA": 3, "CHEXA": 6}[card]
+    assert mass_properties(part, 1.0).mass == pytest.approx(volume * 1e-9, rel=1e-14)
+
+
+def test_elements_share_the_middle_of_an_edge_and_it_is_in_the_bounds(tmp_path: Path) -> None:
+    points = grid(np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.7, 0], [0, 0, 0.3], [0, 0, -0.3], [0.05, 0, 0]]))
+    text = bulk(*points, "CTETRA,1,1,1,2,3,4,6", "CTETRA,2,1,1,3,2,5,,", ",6")
+    part = read_text(tmp_path, "a.bdf", text)
+    assert isinstance(part.geometry, Cells)
+    assert len(part.geometry.points) == 6 + 5 + 3
+    assert [block.nodes.shape for block in part.geometry.blocks] == [(2, 10)]
+    assert part.rounding is not None
+    properties = mass_properties(part, 1.0)
+    exact = Fraction(2 * 7 * 3, 6 * 1000 * 10**9)
+    assert abs(Fraction(properties.mass) - exact) <= exact * Fraction(properties.error.mass)
+
+
+@pytest.mark.parametrize(("card", "corners"), [("CTRIA6", [0, 1, 2]), ("CQUAD8", [0, 1, 2, 3])])
+def test_shells_of_second_order_may_do_without_midside_nodes(card: str, corners: list[int], tmp_path: Path) -> None:
+    part = read_text(
+        tmp_path, "a.bdf", bulk(*grid(HEXAHEDRON[:4]), f"{card},1,1,{','.join(str(k + 1) for k in corners)}")
+    )
+    assert part.triangles.count == len(corners) - 2
+
+
+ALIGNED = np.array([[x, y, z] for z in (0, 3) for y in (0, 2) for x in (0, 1)])
+
+
+def vtk_text(number: int, nodes: int, version: str) -> str:
+    points = "\n".join(" ".join(map(str, point)) for point in ALIGNED[:nodes])
+    head = f"# vtk DataFile Version {version}\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS {nodes} double\n{points}\n"
+    each = " ".join(map(str, range(nodes)))
+    if version == "5.1":
+        cells = f"CELLS 2 {nodes}\nOFFSETS vtktypeint64\n0 {nodes}\nCONNECTIVITY vtktypeint64\n{each}\n"
+    else:
+        cells = f"CELLS 1 {nodes + 1}\n{nodes} {each}\n"
+    return f"{head}{cells}CELL_TYPES 1\n{number}\n"
+
+
+@pytest.mark.parametrize("version", ["3.0", "5.1"])
+def test_voxels_and_pixels_are_read(version: str, tmp_path: Path) -> None:
+    """A brick of 1 × 2 × 3, and its floor."""
+    part = read_text(tmp_path, "a.vtk", vtk_text(11, 8, version), unit="m")
+    assert isinstance(part.geometry, Cells)
+    properties = mass_properties(part, 12.0)
+    assert properties.mass == pytest.approx(72, rel=1e-15)
+    np.testing.assert_allclose(properties.inertia, np.diag([78, 60, 30]), atol=1e-12)
+    floor = read_text(tmp_path, "b.vtk", vtk_text(8, 4, version), unit="m")
+    assert floor.triangles.count == 2
+    assert mass_properties(floor, 1.0, shell=1.0).mass == pytest.approx(2, rel=1e-15)
+    np.testing.assert_allclose(mass_properties(floor, 1.0, shell=1.0).center_of_mass, [0.5, 1, 0], atol=1e-15)
+
+
+@pytest.mark.parametrize("version", ["3.0", "5.1"])
+@pytest.mark.parametrize("number", [8, 11])
+def test_a_voxel_has_as_many_corners_as_it_should(number: int, version: str, tmp_path: Path) -> None:
+    with pytest.raises(ReadError, match=r"has 5 nodes, not \d|do not agree with its CELL_TYPES"):
+        read_text(tmp_path, "a.vtk", vtk_text(number, 5, version))
+
+
+def test_voxels_stand_beside_other_cells(tmp_path: Path) -> None:
+    text = (
+        vtk_text(11, 8, "3.0")
+        .replace("CELLS 1 9", "CELLS 3 23\n4 0 2 1 4")
+        .replace("CELL_TYPES 1\n11", "CELL_TYPES 3\n10 11 12")
+    )
+    text = text.replace("8 0 1 2 3 4 5 6 7\n", "8 0 1 2 3 4 5 6 7\n8 0 1 3 2 4 5 7 6\n")
+    part = read_text(tmp_path, "a.vtk", text)
+    assert isinstance(part.geometry, Cells)
+    assert [block.kind for block in part.geometry.blocks] == ["tetra", "hexahedron"]
+    assert part.geometry.blocks[1].nodes.tolist() == [[0, 1, 3, 2, 4, 5, 7, 6]] * 2
+
+
+@pytest.mark.parametrize(
+    ("number", "kind"), [(2, "poly-vertex"), (4, "poly-line"), (6, "triangle strip"), (42, "polyhedron")]
+)
+def test_cells_in_lists_that_are_not_read_are_called_by_name(number: int, kind: str, tmp_path: Path) -> None:
+    with pytest.raises(ReadError, match=f"cells of the kind {kind} are not read") as refusal:
+        read_text(tmp_path, "a.vtk", vtk_text(number, 4, "3.0"))
+    assert refusal.value.code == "not_read"
 
 
 def test_medit_may_do_without_its_end(tmp_path: Path) -> None:

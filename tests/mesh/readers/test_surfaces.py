@@ -30,6 +30,7 @@ from tests.mesh.readers.samples import (
 )
 from tests.mesh.readers.step_sample import step_solid
 
+from inertia.errors import ReadError
 from inertia.mesh.part import Part
 from inertia.mesh.read import read, read_tree
 from inertia.mesh.surface import Facets
@@ -173,6 +174,28 @@ def test_a_pentagon_becomes_a_fan(tmp_path: Path) -> None:
     points = np.array([[0, 0, 0], [2, 0, 0], [3, 2, 0], [1, 3, 0], [-1, 2, 0]], float)
     part = read_bytes(tmp_path, "five.obj", obj([np.arange(5)], points))
     assert np.array_equal(part.triangles.corners(), points[[[0, 1, 2], [0, 2, 3], [0, 3, 4]]])
+
+
+@pytest.mark.parametrize("comment", [" # c", "\t#", " # 1 2 3", "  #c # d", " # 1/2/3"])
+def test_comments_behind_the_numbers_of_obj_are_left_aside(comment: str, tmp_path: Path) -> None:
+    lines = [line + comment if line.startswith(("v", "f")) else line for line in obj().splitlines()]
+    part = read_bytes(tmp_path, "box.obj", "\n".join(lines) + "\n")
+    assert np.array_equal(part.triangles.corners(), BOX)
+    plain = read_bytes(tmp_path, "plain.obj", obj()).rounding
+    assert part.rounding is not None
+    assert plain is not None
+    assert part.rounding.distance == plain.distance
+    assert part.rounding.remainder is not None
+    assert plain.remainder is not None
+    assert np.array_equal(part.rounding.remainder(), plain.remainder())
+    with pytest.raises(ReadError, match="vertex 0 has fewer than three coordinates"):
+        read_bytes(tmp_path, "short.obj", f"v 0 0{comment}\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+
+
+def test_a_number_sign_in_the_name_of_an_object_belongs_to_it(tmp_path: Path) -> None:
+    rest = "".join(f"f {words(face + 1)} # 1\n" for face in TRIANGLES[5:])
+    part = read_bytes(tmp_path, "box.obj", "o Body #1\n" + obj(TRIANGLES[:5]) + "o Body #2\n" + rest)
+    assert names_of(part) == ["Body #1"] * 5 + ["Body #2"] * 7
 
 
 def test_obj_regions_are_objects_or_else_groups(tmp_path: Path) -> None:

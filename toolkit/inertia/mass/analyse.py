@@ -375,7 +375,8 @@ def _answer(
     integrals = (replace(integral, doubts=(*doubts, *integral.doubts)) for integral in integrals)
 
     limit = None if accuracy is None or isinstance(accuracy, str) else accuracy
-    answer = good_enough((Weighed(part, integral, stated, factor) for integral in integrals), limit)
+    weighed = (Weighed(part, integral, stated, factor) for integral in integrals)
+    answer = good_enough(weighed, limit, allowed=faults_apart)
     integral, properties = answer.integral, answer.properties
     reached = answer.undoubted if faults_apart else answer
     if limit is not None and (missed := max(reached.bounds.items(), key=itemgetter(1)))[1] > limit:

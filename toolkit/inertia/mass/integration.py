@@ -456,14 +456,13 @@ def cell_integrals(
     for arithmetic in _CELL_METHODS:
         with naming(part):
             result = cell_moments(cells, index, len(names), progress, arithmetic, part.rounding)
-        groups = tuple(
-            Group(name, moments, None if index is None else np.flatnonzero(index == number))
-            for number, (name, moments) in enumerate(zip(names, result.moments, strict=True))
-            if moments.zeroth != 0
+        one = result.reversed == 1
+        turned = (
+            f"{result.reversed} {'cell numbers its' if one else 'cells number their'} nodes the other way round: "
+            f"{'its' if one else 'their'} volume counts positive"
         )
-        turned = f"{result.reversed} cells number their nodes the other way round: their volume counts positive"
         yield Integral(
-            groups=groups,
+            groups=_cell_groups(names, index, result.moments),
             method=_CELL_METHODS[arithmetic],
             triangles=0,
             cells=cells.count,
@@ -477,23 +476,29 @@ def cell_integrals(
 
 
 def wire_integrals(part: Part, named: Collection[str], progress: Progress | None = None) -> Iterator[Integral]:
-    """Integrate the lines of a mesh as wires, whose "volume" is their length; straight ones also in double-double."""
+    """Integrate the lines of a mesh as wires, region by region where densities are given by name.
+
+    Their "volume" is their length; straight ones are integrated in double-double, too.
+    """
     from inertia.mass.cells.moments import wire_moments
 
     cells = part.geometry
     if not isinstance(cells, Cells) or not any(block.kind.startswith("line") for block in cells.blocks):
         raise GeometryError(f"{part.name} holds no lines for a wire: leave ", _ANY_WIRE, " out, or use ", SHELL)
-    refuse_unknown(named, ["1"], None)
+    regions = part.regions
+    if named:  # where the file names no region, the whole is body 1, as one body of triangles is
+        refuse_unknown(named, ["1"] if regions is None else [], regions)
+    names, index = _named_regions(regions) if named and regions is not None else (("1",), None)
     methods = dict(_WIRE_METHODS)
     if any(block.kind == "line3" for block in cells.blocks):
         del methods["double-double"]
     for arithmetic, method in methods.items():
         with naming(part):
-            moments = wire_moments(cells, arithmetic, part.rounding)
+            moments = wire_moments(cells, index, len(names), arithmetic, part.rounding)
         if progress is not None:
             progress(1.0)
         yield Integral(
-            groups=(Group("1", moments),),
+            groups=_cell_groups(names, index, moments),
             method=method,
             triangles=0,
             cells=cells.count,
@@ -502,6 +507,17 @@ def wire_integrals(part: Part, named: Collection[str], progress: Progress | None
             area=0.0,
             extents=_extents(cells),
         )
+
+
+def _cell_groups(
+    names: tuple[str, ...], index: NDArray[np.int32] | None, moments: tuple[Moments, ...]
+) -> tuple[Group, ...]:
+    """Return the groups of cells that have a volume (of lines: a length), or may have one; others need no density."""
+    groups = [
+        Group(name, one, None if index is None else np.flatnonzero(index == number))
+        for number, (name, one) in enumerate(zip(names, moments, strict=True))
+    ]
+    return tuple(group for group in groups if group.moments.zeroth or group.moments.zeroth_bound) or tuple(groups)
 
 
 def _named_regions(regions: Regions) -> tuple[tuple[str, ...], NDArray[np.int32]]:

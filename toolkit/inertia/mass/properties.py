@@ -22,6 +22,7 @@ from inertia.mass.density import positive
 from inertia.mass.eigen import Spectrum
 from inertia.mass.moments import ZERO, Moments, Six, dyadic, nearby, norm_above, norm_above_of
 from inertia.mass.tensor import array_of, exact_point, faults, rotation_of
+from inertia.mesh.tree import ONE
 from inertia.records import dataclass
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ CERTAIN = 1e-9
 _ROUNDOFF = Fraction(1, 2**53)
 _NORMAL = 2.0**-1022  # below it rounding is not relative, but of up to half the spacing of the numbers there
 _SPACING = Fraction(1, 2**1074)
-_TWO = Fraction(2)
+_ONE, _TWO = Fraction(1), Fraction(2)
 _WIDEN = 1 + Fraction(1, 2**59)  # more than a root is rounded up by
 
 
@@ -225,10 +226,12 @@ class MassProperties:
     def moments_within(self, relative: float) -> bool:
         """Whether each principal moment is certain to this part of itself."""
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = (self.inertia / (float(np.abs(self.inertia).max()) or 1.0)).tolist()
-        # No moment is off by more than the tensor, and the smallest is at least det I / (½ tr I)²: that is most often
-        # enough, and costs no decomposition.
+        # No moment is off by more than the tensor, and the smallest of those that are positive is at least
+        # det I / (½ tr I)²: that is most often enough, and costs no decomposition. Sums in float64 may be worth so
+        # little that moments are negative, two of them with a positive determinant.
         determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
-        if self.error.inertia * (xx + yy + zz) ** 3 < relative * (determinant - 1e-14):
+        definite = xx > 0 and xx * yy > xy * xy  # with a positive determinant
+        if definite and self.error.inertia * (xx + yy + zz) ** 3 < relative * (determinant - 1e-14):
             return True
         return bool((self.principal.moment_bounds <= relative * self.principal.moments).all())
 
@@ -406,6 +409,24 @@ class MassProperties:
             (*(2 * size + shift * off,) * 3, *(size + shift * off,) * 3),
             norms,
         )
+
+
+def stretched(
+    properties: MassProperties, rows: Sequence[Sequence[Fraction]], density: Fraction = _ONE
+) -> MassProperties:
+    """Return what a solid has whose points x are moved to A x, at `density` times its own, with its bounds.
+
+    Its coordinates are not multiplied, which would round them: see `inertia.mass.moments.Moments.stretched`.
+
+    Parameters
+    ----------
+    rows : of A (3, 3), not singular
+    """
+    own = properties.moments_about(properties.center_of_mass.tolist())
+    moments = own if rows == ONE else own.stretched(rows)
+    volume = Fraction(properties.volume) * moments.zeroth / own.zeroth
+    bound = volume * Fraction(properties.error.volume)
+    return MassProperties.from_moments(moments.scaled(density), volume, bound, properties.error.method)
 
 
 _TOO_LARGE = "the result is above 1.8e308 and leaves float64: give the coordinates in a smaller unit with ", UNIT

@@ -25,10 +25,13 @@ from inertia.mass.integrand import Integrand
 from inertia.mass.integration import Integral, naming
 from inertia.mass.moments import ZERO, Moments, nearby, total, vector
 from inertia.mass.properties import CERTAIN, ErrorBound, MassProperties
+from inertia.mass.tensor import faults
 from inertia.mass.tessellation import chord_error
 from inertia.mesh.doubt import Doubt
 from inertia.mesh.part import Part
 from inertia.records import dataclass
+
+_SLENDER = 4.0  # norm of the tensor over its smallest moment: of compact parts it is less
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,15 +150,66 @@ class Weighed:
         return tuple(shares)
 
 
-def good_enough(answers: Iterable[Weighed], limit: float | None) -> Weighed:
-    """Return the first answer within the limit, the volume and principal moments certain, or the last there is."""
+def good_enough(answers: Iterable[Weighed], limit: float | None, *, allowed: bool = False) -> Weighed:
+    """Return the first answer within the limit, the volume and principal moments certain, or the last there is.
+
+    Raises `GeometryError` where its tensor is that of no body, or a principal moment is in doubt by all of itself;
+    faults `allowed` for, or bodies that may share space, may leave most of the tensor in doubt, and then a moment, too.
+    """
     for answer in answers:
         arithmetic = answer.undoubted
-        properties = arithmetic.properties
+        try:
+            properties = arithmetic.properties
+        except GeometryError as fault:
+            if fault.code != "unphysical":
+                raise
+            raise GeometryError(*fault.words, *_blamed(answer), places=fault.places, code=fault.code) from None
         bound = properties.error.volume if limit is None else max(arithmetic.bounds.values())
         if bound <= (limit or CERTAIN) and properties.moments_within(max(limit or CERTAIN, CERTAIN)):
             break
+    if answer.integral.closed:
+        _require_physical(answer, allowed)
     return answer
+
+
+def _require_physical(answer: Weighed, allowed: bool) -> None:
+    """Raise `GeometryError` where the tensor is surely that of no body, or what is in doubt is as much as a moment.
+
+    That a tensor has a tolerance of its trace where it is given does not do here: the smallest moment of a needle is
+    less, and the bounds say what rounding may have done.
+    """
+    properties, told = answer.properties, answer.undoubted.properties
+    useless = answer.room is None and properties.error.inertia >= 1
+    if answer.room is None and not useless and not faults(told.inertia, 0.0):
+        return
+    i1, i2, i3 = (Fraction(k) for k in told.principal.moments.tolist())
+    off = [Fraction(min(k, sys.float_info.max)) for k in told.principal.moment_bounds.tolist()]
+    moments = "the principal moments " + ", ".join(f"{k:.6g}" for k in told.principal.moments.tolist())
+    if i1 < -off[0] or i1 + i2 < i3 - sum(off):
+        broken = "are not all positive" if i1 < -off[0] else "break the triangle rule: no body has I1 + I2 < I3"
+        raise GeometryError(
+            f"the inertia tensor is not physical: {moments} {broken}",
+            *_blamed(answer),
+            places=(answer.part.name,),
+            code="unphysical",
+        )
+    bounds = properties.principal.moment_bounds
+    allowed = allowed or any(finding.code == "shared_space" for finding in answer.integral.doubts)
+    share = max(1.0, _SLENDER * properties.error.inertia if allowed else 0.0)
+    if useless or (answer.room is not None and (bounds >= share * properties.principal.moments).any()):
+        raise GeometryError(
+            f"{moments} kg m² may be off by {', '.join(f'{k:.2g}' for k in bounds.tolist())}: by all that there is",
+            *_blamed(answer),
+            places=(answer.part.name,),
+        )
+
+
+def _blamed(answer: Weighed) -> tuple[Word, ...]:
+    """Return the words of a refusal on what is to blame for a tensor, and what to do about it."""
+    doubts = "; ".join(finding.statement for finding in answer.integral.doubts if finding.doubt is not None)
+    if not doubts:
+        return ": see ", CHECK
+    return (f" ({doubts}): take that out, or mend it, where the part was made",)
 
 
 def doubted(answer: Weighed) -> tuple[Word, ...]:

@@ -281,11 +281,12 @@ class Part:
         """Return a small table, as a notebook shows it."""
         from inertia.notebook import html_of
 
-        elements = self.geometry.count
+        count = self.geometry.count
+        element = "cell" if isinstance(self.geometry, Cells) else "triangle"
         rows = [
             ("Part", f"{self.name} ({self.source.format})"),
             ("Unit", f"{self.unit.name}{', assumed' if self.unit_from == 'assumed' else ''}"),
-            ("Mesh", f"{elements} {'cells' if isinstance(self.geometry, Cells) else 'triangles'}"),
+            ("Mesh", f"{count} {element}{'' if count == 1 else 's'}"),
             *([("Regions", ", ".join(self.regions.names))] if self.regions is not None else []),
             *([("Shape", "true faces, integrated in place of the triangles")] if self.shape is not None else []),
             *(("Note", note) for note in self.notes),

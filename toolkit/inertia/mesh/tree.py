@@ -23,6 +23,13 @@ def determinant(rows: Matrix) -> Fraction:
     return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 
 
+def diagonal(factors: Iterable[Fraction]) -> Matrix:
+    """Return the (3, 3) matrix that multiplies x, y and z."""
+    x, y, z = factors
+    none = Fraction(0)
+    return (x, none, none), (none, y, none), (none, none, z)
+
+
 def rotation(quaternion: Sequence[Fraction]) -> Matrix:
     """Return the rotation of a quaternion x, y, z, w of any length but zero."""
     x, y, z, w = quaternion
@@ -40,6 +47,18 @@ def times(a: Matrix, b: Matrix) -> Matrix:
         return b if a == ONE else a
     columns = list(zip(*b, strict=True))
     return tuple(tuple(sum(map(mul, row, column), Fraction(0)) for column in columns) for row in a)
+
+
+def inverse(rows: Matrix) -> Matrix:
+    """Return the inverse of a (3, 3) matrix whose determinant is not zero."""
+    x, y, z = rows
+    columns = [_cross(y, z), _cross(z, x), _cross(x, y)]
+    size = sum(map(mul, x, columns[0]), Fraction(0))
+    return tuple(tuple(column[k] / size for column in columns) for k in range(3))
+
+
+def _cross(a: Sequence[Fraction], b: Sequence[Fraction]) -> tuple[Fraction, ...]:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @dataclass(frozen=True)

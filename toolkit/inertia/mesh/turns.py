@@ -23,7 +23,7 @@ def about(axis: int | Sequence[Rational], degrees: Rational) -> Quaternion:
         direction: Sequence[Rational] = tuple(int(k == axis) for k in range(3))
         length: Rational = 1
     else:
-        direction, length = axis, _root(sum((Fraction(k) ** 2 for k in axis), Fraction(0)))
+        direction, length = axis, root(sum((Fraction(k) ** 2 for k in axis), Fraction(0)))
     x, y, z = (sine * k for k in direction)
     return cosine * length, x, y, z
 
@@ -47,7 +47,7 @@ def _terms(angle: Fraction) -> Iterator[tuple[int, int]]:
         term, k = ((following * scaled) >> TURN_BITS) // (k + 2), k + 2
 
 
-def _root(square: Fraction) -> Fraction:
+def root(square: Fraction) -> Fraction:
     """Return the root of a rational to 57 digits, exactly where it is rational."""
     n, d = square.numerator, square.denominator
     if math.isqrt(n) ** 2 == n and math.isqrt(d) ** 2 == d:

@@ -89,11 +89,7 @@ def cell_moments(
     >>> float(6 * result.moments[0].zeroth), result.reversed
     (1.0, 0)
     """
-    if groups is not None:
-        if len(groups) != cells.count:
-            raise UsageError(f"groups must have one entry for each of the {cells.count} cells, not {len(groups)}")
-        if len(groups) and not 0 <= groups.min() <= groups.max() < count:
-            raise UsageError(f"groups must be 0 to {count - 1}, not {groups.min()} to {groups.max()}")
+    _require_groups(cells, groups, count)
     turned = 0
 
     def rows(chunk: Chunk) -> Float:
@@ -126,18 +122,27 @@ def cell_moments(
     moments = integrate(cells, blocks, rows, groups=groups, count=count, power=3, progress=progress, rests=rests)
     if rounding is not None:
         distance = rounding.distance * (_LEFT if rests is not None else 1.0)
-        parts = (_group(cells, None if groups is None else groups == number) for number in range(count))
+        parts = (_group(cells, blocks, None if groups is None else groups == number) for number in range(count))
         moments = tuple(cells_as_written(one, part, distance) for one, part in zip(moments, parts, strict=True))
     return CellIntegral(moments, turned)
 
 
-def _group(cells: Cells, member: Bool | None) -> Cells:
-    """Return the volume cells among those of a group, or all."""
-    blocks = [
+def _require_groups(cells: Cells, groups: NDArray[np.int32] | None, count: int) -> None:
+    if groups is None:
+        return
+    if len(groups) != cells.count:
+        raise UsageError(f"groups must have one entry for each of the {cells.count} cells, not {len(groups)}")
+    if len(groups) and not 0 <= groups.min() <= groups.max() < count:
+        raise UsageError(f"groups must be 0 to {count - 1}, not {groups.min()} to {groups.max()}")
+
+
+def _group(cells: Cells, blocks: list[tuple[int, CellBlock]], member: Bool | None) -> Cells:
+    """Return the cells of a group, or all, among those of blocks, each with the number of its first cell."""
+    members = [
         CellBlock(block.kind, block.nodes if member is None else block.nodes[member[first : first + len(block.nodes)]])
-        for first, block in volume_blocks(cells)
+        for first, block in blocks
     ]
-    return Cells(cells.points, tuple(block for block in blocks if len(block.nodes)))
+    return Cells(cells.points, tuple(block for block in members if len(block.nodes)))
 
 
 def cells_as_written(moments: Moments, cells: Cells, distance: float) -> Moments:
@@ -169,20 +174,24 @@ def cells_as_written(moments: Moments, cells: Cells, distance: float) -> Moments
 
 def wire_moments(
     cells: Cells,
+    groups: NDArray[np.int32] | None = None,
+    count: int = 1,
     arithmetic: Literal["float64", "double-double"] = "float64",
     rounding: Rounding | None = None,
-) -> Moments:
-    """Integrate 1, x and x xᵀ over the length of the `line` and `line3` cells of a mesh.
+) -> tuple[Moments, ...]:
+    """Integrate 1, x and x xᵀ over the length of the `line` and `line3` cells of a mesh, group by group.
 
     Straight lines are exact but for rounding. The length of a curved one is no polynomial: it is taken by
     Gauss's rule with 20 points, and the difference from the rule with 12 is added to the bounds, as an
-    estimate; these are in float64 always.
+    estimate; these are in float64 always. Parameters as for `cell_moments`.
 
     >>> from inertia.mesh.part import CellBlock
     >>> points = np.array([[0, 0, 0], [3, 4, 0]], float)
-    >>> float(wire_moments(Cells(points, (CellBlock("line", np.array([[0, 1]])),))).zeroth)
+    >>> (moments,) = wire_moments(Cells(points, (CellBlock("line", np.array([[0, 1]])),)))
+    >>> float(moments.zeroth)
     5.0
     """
+    _require_groups(cells, groups, count)
 
     def rows(chunk: Chunk) -> Float:
         if arithmetic == "double-double":
@@ -202,10 +211,12 @@ def wire_moments(
     rests = None
     if rounding is not None and rounding.remainder is not None and arithmetic == "double-double":
         rests = rounding.remainder()
-    (moments,) = integrate(cells, blocks, rows, groups=None, count=1, power=1, rests=rests)
+    moments = integrate(cells, blocks, rows, groups=groups, count=count, power=1, rests=rests)
     if rounding is None:
         return moments
-    return _wires_as_written(moments, cells, rounding.distance * (_LEFT if rests is not None else 1.0))
+    distance = rounding.distance * (_LEFT if rests is not None else 1.0)
+    parts = (_group(cells, blocks, None if groups is None else groups == number) for number in range(count))
+    return tuple(_wires_as_written(one, part, distance) for one, part in zip(moments, parts, strict=True))
 
 
 def _wires_as_written(moments: Moments, cells: Cells, distance: float) -> Moments:
@@ -214,7 +225,9 @@ def _wires_as_written(moments: Moments, cells: Cells, distance: float) -> Moment
     Its tangent grows by at most 4 for each unit of distance, over its parameter from −1 to 1; and what it is weighted
     with moves.
     """
-    used = [block.nodes for block in cells.blocks if block.kind.startswith("line")]
+    used = [block.nodes for block in cells.blocks]
+    if not used:
+        return moments
     points = cells.points[np.unique(np.concatenate([nodes.ravel() for nodes in used]))]
     middle = np.array([float(k) for k in moments.origin])
     growth = 8.01 * distance * sum(map(len, used))

@@ -22,7 +22,7 @@ from inertia.arrays import Float, Int
 from inertia.mesh.geometry.boxes import nested, within
 from inertia.mesh.geometry.closure import Closure
 from inertia.mesh.geometry.contact_depth import CONTACT, are_single, last_digits
-from inertia.mesh.geometry.enclosed import Local, boxes_of, drawn, enclosed, members_of, scaling
+from inertia.mesh.geometry.enclosed import NOISE, Local, boxes_of, drawn, enclosed, members_of, scaling
 from inertia.mesh.geometry.senses import senses
 from inertia.mesh.geometry.sound_shells import Nesting, sound_nesting
 from inertia.mesh.geometry.touching import touching_bodies
@@ -35,7 +35,10 @@ WOUND: tuple[Literal["outward"], Literal["inward"]] = ("outward", "inward")
 """A shell, by its depth modulo 2."""
 
 SLIVER = 1e-9
-"""Volume, over that of all shells, up to which a shell that is wound wrongly does not keep a part from an answer."""
+"""Volume, over that of all shells, up to which a shell that is wound wrongly does not keep a part from an answer.
+
+Nor does it where it has little to say for the second moments, either: far from a slender part it would be most of them.
+"""
 
 FEW = 40
 """Shells of which it takes least to look at each pair."""
@@ -116,6 +119,8 @@ def shells(triangles: Triangles, closure: Closure) -> tuple[Shell, ...]:
         around = _ancestors(nesting)
     most = -1 if volumes.sum() < -noise.sum() else 1  # as most of the surface is wound
     slivers = set(_slivers(volumes, most * signs, around))
+    if slivers:
+        slivers = _of_no_weight(triangles, closure, local, local(boxes), most * volumes, sorted(slivers))
     if slivers:
         signs[list(slivers)] = 0
         around = [[outer for outer in outside if outer not in slivers] for outside in around]
@@ -199,6 +204,42 @@ def _slivers(volumes: Float, signs: Int, around: list[list[int]]) -> list[int]:
     """Return the shells of next to no volume that lie where, as they are wound, no body and no cavity can be."""
     small = np.abs(volumes) <= SLIVER * np.abs(volumes).sum()
     return [k for k in np.flatnonzero(small).tolist() if signs[k] and signs[around[k]].sum() != (signs[k] < 0)]
+
+
+def _of_no_weight(
+    triangles: Triangles, closure: Closure, local: Local, boxes: Float, volumes: Float, slivers: list[int]
+) -> set[int]:
+    """Return the slivers that change no second moment of the rest, ∫(u·x)² dV along its principal axes u, by all of it.
+
+    To turn a shell of volume v that is d away changes it by 2 v d². Where the slivers together changed it by more, the
+    tensor could be that of no body; the largest are then shells like any other. Along axes on which the rest is thinner
+    than float64 can tell there is no such limit: bounds on the moments, which have more digits, show what is left.
+    """
+    rest = np.ones(closure.components + 1, bool)  # the last is that of triangles in no shell
+    rest[[*slivers, -1]] = False
+    origin = boxes[np.abs(volumes).argmax()].mean(axis=0)
+    volume, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
+    for start in range(0, triangles.count, _CHUNK):
+        chosen = rest[closure.labels[start : start + _CHUNK]]
+        corners = local(triangles.corners(start, start + _CHUNK)[chosen]) - origin
+        six = (corners[:, 0] * np.cross(corners[:, 1], corners[:, 2])).sum(axis=1)
+        total = corners.sum(axis=1)
+        volume += six.sum() / 6
+        first += six @ total / 24
+        second += (
+            np.einsum("n,nki,nkj->ij", six, corners, corners) + np.einsum("n,ni,nj->ij", six, total, total)
+        ) / 120
+    if not volume:
+        return set(slivers)
+    middle, sign = first / volume, np.sign(volume)
+    least, axes = np.linalg.eigh(sign * (second - np.outer(first, middle)))
+    told = least > NOISE * np.abs(least).sum()
+    half = np.ptp(boxes[slivers], axis=1) / 2
+    far = np.abs((boxes[slivers, 0] + half - origin - middle) @ axes) + np.linalg.norm(half, axis=1, keepdims=True)
+    changed = 2 * np.abs(volumes[slivers, None]) * far**2 / np.where(told, least, np.inf)
+    share = changed.max(axis=1)
+    order = share.argsort(kind="stable")
+    return {slivers[k] for k in order[np.cumsum(share[order]) < 1].tolist()}
 
 
 def _exact_volumes(triangles: Triangles, labels: NDArray[np.int32], shells: Int, exponent: int) -> tuple[Float, Float]:

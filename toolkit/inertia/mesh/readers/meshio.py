@@ -23,7 +23,8 @@ from inertia.mesh.part import Rounding
 from inertia.mesh.readers.cells import Block, cell_contents
 from inertia.mesh.readers.contents import UNNAMED, Contents, plural, quietly, shown, text_of, was
 from inertia.mesh.readers.decimals import rounding_of
-from inertia.mesh.readers.meshio_guards import cells_expected, without_comments
+from inertia.mesh.readers.meshio_guards import NASTRAN_READ, cells_expected, without_comments
+from inertia.mesh.readers.nastran import plain_bulk_data
 from inertia.output import temporary_folder
 
 _TAGS = (
@@ -37,6 +38,14 @@ _TAGS = (
 _FORGOTTEN = ("wedge15", "pyramid13", "hexahedron24")
 """Kinds that meshio 5.3.5 knows, but raises `KeyError` for want of their dimension."""
 
+
+_ALIGNED = {8: ("pixel", 9, (0, 1, 3, 2)), 11: ("voxel", 12, (0, 1, 3, 2, 4, 5, 7, 6))}
+"""VTK's cells along the axes, whose corners run row by row: name, the kind that they are, and its order of them."""
+
+_SEVERAL = {2: "poly-vertex", 4: "poly-line", 6: "triangle strip"}
+"""VTK's cells of any number of others."""
+
+_POLYGON = 7  # of VTK, the one kind of any size that meshio reads from lists
 
 _DECIMALS = {
     "vtk": rb"\A[^\n]*\n[^\n]*\n\s*ASCII\b",
@@ -61,7 +70,9 @@ def read_with_meshio(path: Path, kind: str) -> Contents:
             return read_with_meshio(plain, kind)
     expected = cells_expected(path, kind)
     notes = [_NO_END] if kind == "medit" and not _ends(path) else []
-    if kind == "nastran" and (text := without_comments(data := text_of(path))) != data:
+    text = None
+    if kind == "nastran":
+        text = plain_bulk_data(without_comments(text_of(path)), NASTRAN_READ)
         with temporary_folder() as folder:
             plain = folder / "part.bdf"
             plain.write_bytes(text)
@@ -69,7 +80,7 @@ def read_with_meshio(path: Path, kind: str) -> Contents:
     else:
         mesh = _mesh(path, kind)
     contents = contents_of(mesh, expected)
-    rounding = _rounding(path, kind, mesh.points)
+    rounding = _rounding(path, kind, mesh.points, text)
     return replace(contents, notes=(*contents.notes, *notes), rounding=rounding)
 
 
@@ -92,13 +103,17 @@ def contents_of(mesh: Any, expected: int | None = None) -> Contents:
     return replace(contents, notes=(*contents.notes, *of_sets))
 
 
-def _rounding(path: Path, kind: str, stored: NDArray[Any]) -> Rounding | None:
-    """Return what was rounded of points in decimals, which meshio takes to the nearest number of the file's type."""
+def _rounding(path: Path, kind: str, stored: NDArray[Any], text: bytes | None) -> Rounding | None:
+    """Return what was rounded of points in decimals, which meshio takes to the nearest number of the file's type.
+
+    `text` was read in place of the file's, if not None.
+    """
     if stored.dtype.kind != "f" or not _writes_decimals(path, kind):
         return None
     points = np.zeros((len(stored), 3))
     points[:, : stored.shape[1]] = stored
-    return rounding_of(points, path.read_bytes, precision=np.float32 if stored.dtype.itemsize == 4 else np.float64)
+    written = path.read_bytes if text is None else lambda: text
+    return rounding_of(points, written, precision=np.float32 if stored.dtype.itemsize == 4 else np.float64)
 
 
 def _writes_decimals(path: Path, kind: str) -> bool:
@@ -118,6 +133,9 @@ def _mesh(path: Path, kind: str) -> Any:
         for name in _FORGOTTEN:
             meshio._mesh.topological_dimension.setdefault(name, 3)
         meshio.vtu._vtu.vtk_cells_from_data = meshio.vtk._vtk_51.vtk_cells_from_data = _vtk_cells
+        lists = meshio.vtk._vtk_42
+        if lists.translate_cells is not _vtk_lists:
+            lists.cells_of_meshio, lists.translate_cells = lists.translate_cells, _vtk_lists
         meshio.abaqus._abaqus.read = _include
         return meshio.read(path, file_format=kind)
 
@@ -135,14 +153,54 @@ def _vtk_cells(corners: Int, ends: Int, types: Int, cell_data: dict[str, Any]) -
     meshio takes as many corners before the end of a cell as its type needs, whoever they belong to.
     """
     meshio = importlib.import_module("meshio")
-    for number, size in {*zip(types.tolist(), np.diff(ends, prepend=0).tolist(), strict=True)}:
-        kind = meshio._vtk_common.vtk_to_meshio_type.get(number, "")
-        nodes = meshio._common.num_nodes_per_cell.get(kind, size)
+    sizes = np.diff(ends, prepend=0)
+    for number, size in {*zip(types.tolist(), sizes.tolist(), strict=True)}:
+        if number in _ALIGNED:
+            kind, _, order = _ALIGNED[number]
+            nodes = len(order)
+        else:
+            kind = meshio._vtk_common.vtk_to_meshio_type.get(number, "")
+            nodes = meshio._common.num_nodes_per_cell.get(kind, size)
         if size != nodes:
             raise ReadError(f"a cell of the kind {kind} has {size} nodes, not {nodes}: it is damaged, export it again")
     if int(ends[-1]) != len(corners):
         raise ReadError(f"its cells have {ends[-1]} corners, but {len(corners)} are listed: it is damaged")
+    corners, types = _turned_around(corners, ends - sizes, types)
     return meshio._vtk_common.vtk_cells_from_data(corners, ends, types, cell_data)
+
+
+def _vtk_lists(lists: Int, types: Int, cell_data: dict[str, Any]) -> Any:
+    """Return meshio's cells of a VTK file before version 5.1, whose lists of corners begin with their number."""
+    if np.isin(types, [*_ALIGNED]).any():
+        starts, at = [], 0
+        for number in types.tolist():
+            size = int(lists[at]) if at < len(lists) else -1
+            nodes = len(_ALIGNED[number][2]) if number in _ALIGNED else size
+            if size < 0 or size != nodes or at + size >= len(lists):
+                raise ReadError("its lists of corners do not agree with its CELL_TYPES: it is damaged, export it again")
+            starts.append(at + 1)
+            at += size + 1
+        lists, types = _turned_around(lists, np.array(starts), types)
+    meshio = importlib.import_module("meshio")
+    sizes = meshio.vtk._vtk_42.vtk_type_to_numnodes
+    for number in np.unique(types).tolist():
+        if number != _POLYGON and (not 0 <= number < len(sizes) or sizes[number] < 1):
+            kind = meshio._vtk_common.vtk_to_meshio_type.get(number, _SEVERAL.get(number, f"{number} of VTK"))
+            raise ReadError(
+                f"its cells of the kind {kind} are not read: use cells of first or second order, one by one",
+                code="not_read",
+            )
+    return meshio.vtk._vtk_42.cells_of_meshio(lists, types, cell_data)
+
+
+def _turned_around(corners: Int, starts: Int, types: Int) -> tuple[Int, Int]:
+    """Return the corners and kinds with pixels as quadrilaterals and voxels as hexahedra, which begin at `starts`."""
+    turned, kinds = corners.copy(), types.copy()
+    for number, (_, kind, order) in _ALIGNED.items():
+        first = starts[types == number][:, None]
+        turned[first + np.arange(len(order))] = corners[first + np.array(order)]
+        kinds[types == number] = kind
+    return turned, kinds
 
 
 def _nodes(block: Any) -> Int:

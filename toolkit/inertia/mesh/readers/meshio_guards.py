@@ -8,7 +8,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import re
-from itertools import islice, pairwise
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +34,7 @@ _VTU_CELLS = re.compile(rb"\bNumberOfCells\s*=\s*[\"']\s*(\d{1,18})\s*[\"']")
 _NASTRAN_CARD = re.compile(
     rb"^(?:CTET|CPYR|CPEN|CHEX|CTRI|CTRA|CQUA|CSHE|CELAS1|CBEAM|CBUSH|CROD|CGAP|CBAR)\w*\*?", _LINES
 )
-_NASTRAN_READ = frozenset(
+NASTRAN_READ = frozenset(
     b"CELAS1 CBEAM CBUSH CBUSH1D CROD CGAP CBAR CTRIAR CTRIA3 CTRAX6 CTRIAX6 CTRIA6 CQUADR CSHEAR CQUAD4 "
     b"CQUAD8 CQUAD9 CTETRA CPYRAM CPYRA CPENTA CHEXA".split()
 )
@@ -42,7 +42,7 @@ _NASTRAN_REFUSED = re.compile(rb"^(?:INCLUDE|GRDSET)\b", _LINES)
 
 _NASTRAN_COMMENT = re.compile(rb"^[^$\n][^\n]{0,71}\$", re.MULTILINE)
 _NASTRAN_TRAILING = re.compile(rb"^([^$\r\n][^$\r\n]*[ \t,])\$[^\r\n]*", re.MULTILINE)
-_NASTRAN_EMPTY = re.compile(rb"^(?:[*+][^\n,]{0,7}|(?![$#])(?=[ \t]?\S)[^\r\n]{1,2})[ \t]*\r?$", re.MULTILINE)
+_NASTRAN_EMPTY = re.compile(rb"^(?:[*+][^\n,]{0,7}|(?![$#,])(?=[ \t]?\S)[^\r\n]{1,2})[ \t]*\r?$", re.MULTILINE)
 
 _ABAQUS_NODES = re.compile(rb"^[ \t]*\*NODE[ \t]*(?:,[^\r\n]*)?\r?$", _LINES)
 _ABAQUS_INSTANCE = re.compile(rb"^[ \t]*\*INSTANCE\b[^\n]*\n[ \t]*([^*\s]?)", _LINES)
@@ -205,13 +205,9 @@ def _nastran(data: bytes) -> int:
             f"its line {shown(empty[0].strip())} has no fields: it was cut short, or write it out in full",
             code="cut_short",
         )
-    lines = bulk.splitlines()
-    for before, line in pairwise(lines):  # meshio passes over what it takes for no continuation
-        if line[:1] in (b" ", b"\t", b",") and line.strip() and (line[:8].strip() or before[72:] != b" " * 8):
-            raise ReadError(f"its continuation {shown(line.strip())} has no name: begin it with + or *")
     cards = _NASTRAN_CARD.findall(bulk)
     for card in cards:
-        if card not in _NASTRAN_READ:
+        if card not in NASTRAN_READ:
             raise ReadError(
                 f"its card {shown(card)} is not read: write elements in small or free field format", code="not_read"
             )

@@ -1,7 +1,8 @@
 """Wavefront OBJ: polygons over shared vertices, in named objects or groups.
 
-A negative index counts back from the line that it stands on. A keyword that OBJ does not know is an error,
-because it may be a damaged face.
+A negative index counts back from the line that it stands on. A # behind the numbers of a line begins a comment; in a
+name it may be part of that (`o Body #2`). A keyword that OBJ does not know is an error, because it may be a damaged
+face.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ _KEYWORDS = frozenset(
 )
 
 _CONTINUED = re.compile(rb"(?m)^([^#\r\n]*)\\[ \t]*\r?\n")  # not a comment, which may end with a folder of Windows
+_COMMENT = re.compile(rb"(?:^|\s)#.*")
 _AFTER_SLASH = re.compile(rb"/\S*")
 
 
@@ -47,9 +49,9 @@ def read_obj(path: Path) -> Contents:
     for number, line in enumerate(data.splitlines(), 1):
         word, *rest = line.split(None, 1) or [b"#"]
         if word == b"v":
-            points.append(rest[0] if rest else b"")
+            points.append(_uncommented(rest))
         elif word in (b"f", b"fo"):
-            polygons.append(rest[0] if rest else b"")
+            polygons.append(_uncommented(rest))
             before.append(len(points))
         elif word in names:
             names[word].append((len(polygons), b"".join(rest).strip()))
@@ -71,6 +73,12 @@ def read_obj(path: Path) -> Contents:
     regions = _regions(names[b"o"] or names[b"g"], len(polygons), owner)
     rounding = rounding_of(vertices, lambda: b" ".join(points), lambda: _coordinates(path))
     return Contents(whole, regions=regions, notes=notes, rounding=rounding)
+
+
+def _uncommented(rest: list[bytes]) -> bytes:
+    """Return what stands behind the keyword of a line, without the comment behind that."""
+    text = rest[0] if rest else b""
+    return _COMMENT.sub(b"", text) if b"#" in text else text
 
 
 def _text(path: Path) -> bytes:

@@ -65,8 +65,8 @@ def analysis_text(analysis: Analysis, repaired: Repaired | None = None, *, wordi
 def source_lines(analysis: Analysis, repaired: Repaired | None = None, *, wording: Wording = str) -> list[str]:
     """Return the lines that say what was analysed: file, unit, density, mesh, and who said so."""
     part = analysis.part
-    elements = [f"{analysis.triangles} triangles"] if analysis.triangles else []
-    elements += [f"{analysis.cells} cells"] if analysis.cells else []
+    counts = ((analysis.triangles, "triangle"), (analysis.cells, "cell"))
+    elements = [f"{count} {name}{'' if count == 1 else 's'}" for count, name in counts if count]
     closed = [] if analysis.cells else ["closed" if analysis.closed else "open"]
     no_solid = bool(analysis.cells) and analysis.model != "solid"
     crossings = [] if no_solid else [f"crossings {'' if analysis.crossings_examined else 'not '}examined"]

@@ -1,0 +1,172 @@
+"""Nastran's bulk data: cards in small, large or free fields over several lines, as one line of free fields each.
+
+A line continues the card before it where its first field is blank, or begins with + or *. A blank coordinate is 0.
+Where an element has some of its midside nodes, the others are in the middles of their edges, whose decimals are exact;
+without any it is of first order.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from decimal import Decimal, localcontext
+
+from inertia.errors import ReadError
+from inertia.mesh.readers.contents import plural, shown
+
+_BEGIN = re.compile(rb"^[ \t]*BEGIN BULK[^\n]*\n?", re.MULTILINE)
+_END = re.compile(rb"^ENDDATA", re.MULTILINE)
+_NUMBER = re.compile(
+    r"([-+]?(?:\d+\.?\d*|\.\d+))(?:[eEdD]?([-+]\d{1,9})|[eEdD](\d{1,9}))?"
+)  # 7.+1, 7.D+1, 7.D1, 7.E1, 7.
+_WHOLE = re.compile(r"\d{1,18}")
+_DIGITS = 60  # of a middle: more than two numbers of 16 characters need, unless they are 1e40 apart
+
+_EDGES = {
+    "CTRIA6": ((0, 1), (1, 2), (2, 0)),
+    "CQUAD8": ((0, 1), (1, 2), (2, 3), (3, 0)),
+    "CTETRA": ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
+    "CPYRAM": ((0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4)),
+    "CPENTA": ((0, 1), (1, 2), (2, 0), (0, 3), (1, 4), (2, 5), (3, 4), (4, 5), (5, 3)),
+    "CHEXA": (
+        *((0, 1), (1, 2), (2, 3), (3, 0)),
+        *((0, 4), (1, 5), (2, 6), (3, 7)),
+        *((4, 5), (5, 6), (6, 7), (7, 4)),
+    ),
+}
+_EDGES["CPYRA"] = _EDGES["CPYRAM"]
+"""The corners whose edge each midside node is on, in Nastran's order."""
+
+_CORNERS = {card: max(max(edge) for edge in edges) + 1 for card, edges in _EDGES.items()}
+_FIRST_ORDER = {"CTRIA6": "CTRIA3", "CQUAD8": "CQUAD4"}  # a solid of first order has the name of one of second order
+
+
+def plain_bulk_data(data: bytes, elements: frozenset[bytes]) -> bytes:
+    """Return the grid points and `elements` of bulk data without trailing comments, a line of free fields each."""
+    begin = _BEGIN.search(data)
+    end = _END.search(data, begin.end()) if begin else None
+    assert begin is not None  # as the guards have found
+    assert end is not None
+    names = {name.decode() for name in elements}
+    points: dict[str, tuple[str, ...]] = {}
+    lines, cards = [], []
+    for name, fields in _cards(data[begin.end() : end.start()].decode("latin-1")):
+        if name == "GRID":
+            number = _whole(name, fields[:1], fields[0])
+            if len(fields) < 5:
+                raise ReadError(f"its GRID {number} has two coordinates: the line that continues it is missing")
+            at = tuple(_number(number, field) for field in fields[2:5])
+            points[number] = at
+            lines.append(",".join([name, number, fields[1] or "0", *at]))
+        elif name in names:
+            cards.append((name, fields))
+    middles: dict[tuple[str, str], str] = {}
+    elements_of = [(name, fields[:2], _nodes(name, fields, points, middles)) for name, fields in cards]
+    for ends, number in middles.items():
+        lines.append(",".join(["GRID", number, "0", *_middle(*(points[end] for end in ends))]))
+    for name, head, nodes in elements_of:
+        plain = _FIRST_ORDER.get(name, name) if len(nodes) == _CORNERS.get(name) else name
+        lines.append(",".join([plain, *head, *nodes]))
+    return "\n".join(["BEGIN BULK", *lines, "ENDDATA", ""]).encode("latin-1")
+
+
+def _cards(text: str) -> Iterator[tuple[str, list[str]]]:
+    """Yield the name of each card, without its asterisk, and its fields, at least 4."""
+    name, fields = "", list[str]()
+    for line in text.splitlines():
+        if not line.strip() or line.startswith(("$", "//", "#")):
+            continue
+        first, more = _fields(line)
+        if not first or first[0] in "+*":
+            if not name:
+                raise ReadError(f"its line {shown(line.strip())} continues no card: export the mesh again")
+            fields += more
+            continue
+        if line[0].isspace():
+            raise ReadError(f"its line {shown(line.strip())} begins with blanks: write its name in the first column")
+        if name:
+            yield name, fields
+        name, fields = first.removesuffix("*"), more
+    if name:
+        yield name, fields
+
+
+def _fields(line: str) -> tuple[str, list[str]]:
+    """Return the first field of a line, and those with data, blank where the line is too short for them."""
+    if "," in line:
+        first, *rest = (field.strip() for field in line.split(","))
+        large = first.startswith("*") or first.endswith("*")
+        count = 4 if large else 8
+        if len(rest) == count + 1 and (not rest[-1] or rest[-1][0] in "+*"):  # the name of the line that follows
+            del rest[-1]
+    else:
+        line = line.expandtabs(8)
+        first = line[:8].strip()
+        large = first.startswith("*") or first.endswith("*")
+        count, width = (4, 16) if large else (8, 8)
+        rest = [line[8 + width * k : 8 + width * (k + 1)].strip() for k in range(count)]
+    return first, rest + [""] * (count - len(rest))
+
+
+def _nodes(
+    name: str, fields: list[str], points: dict[str, tuple[str, ...]], middles: dict[tuple[str, str], str]
+) -> list[str]:
+    """Return the nodes of an element, those in the middles of edges too; `middles` gives these numbers of their own."""
+    rest = fields[2:]
+    if name not in _EDGES:
+        return [field for field in rest if field]
+    edges, count = _EDGES[name], _CORNERS[name]
+    while rest and not rest[-1]:
+        del rest[-1]
+    flat = name in _FIRST_ORDER  # angles and thicknesses may follow
+    corners, sides, beyond = rest[:count], rest[count : count + len(edges)], rest[count + len(edges) :]
+    if len(corners) < count or not all(corners) or (beyond and not flat):
+        has = plural(len([field for field in rest if field]), "node")
+        raise ReadError(
+            f"its {name} {shown(fields[0])} has {has}: it needs {count} corners, and at most {len(edges)} nodes in the "
+            "middles of its edges; export the mesh again"
+        )
+    corners, sides = ([field and _whole(name, fields, field) for field in some] for some in (corners, sides))
+    unknown = next((node for node in (*corners, *sides) if node and node not in points), None)
+    if unknown is not None:
+        raise ReadError(
+            f"its {name} {shown(fields[0])} names grid point {unknown}, which it does not have: export the mesh again",
+            code="node_out_of_range",
+        )
+    if not any(sides):
+        return [*corners, *(field for field in beyond if field)]
+    for k, (a, b) in enumerate(edges):
+        if k == len(sides):
+            sides.append("")
+        if not sides[k]:
+            ends = corners[a], corners[b]
+            highest = max(map(int, points), default=0) if not middles else int(next(reversed(middles.values())))
+            sides[k] = middles.setdefault((min(ends), max(ends)), str(highest + 1))
+    return [*corners, *sides, *(field for field in beyond if field)]
+
+
+def _middle(a: tuple[str, ...], b: tuple[str, ...]) -> list[str]:
+    with localcontext() as context:
+        context.prec = _DIGITS
+        context.clear_traps()  # what leaves Decimal is not finite, as it is for float64
+        return [str((Decimal(x) + Decimal(y)) / 2) for x, y in zip(a, b, strict=True)]
+
+
+def _number(point: str, field: str) -> str:
+    """Return a real number as every program writes it: Nastran may leave out the E of its exponent, or write D."""
+    match = _NUMBER.fullmatch(field or "0.0")
+    if match is None:
+        raise ReadError(
+            f"its GRID {point} holds {shown(field)}, which is not a number: export the file again", code="not_a_number"
+        )
+    exponent = match[2] or match[3]
+    return match[1] + (f"E{exponent}" if exponent else "")
+
+
+def _whole(name: str, fields: list[str], field: str) -> str:
+    if not _WHOLE.fullmatch(field):
+        raise ReadError(
+            f"its {name} {shown(fields[0])} holds {shown(field)}, which is not a whole number: export the file again",
+            code="not_a_number",
+        )
+    return str(int(field))
