@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,9 +13,9 @@ from inertia_cli.printing import print_document, print_text, show
 
 if TYPE_CHECKING:
     from inertia.assembly.document import Assembly
+    from inertia.assembly.tree import PartTree
 
 _OWN = (".toml", ".csv")
-_ROBOTS = (".urdf", ".xml", ".mjcf", ".xacro", ".sdf", ".world", ".usd", ".usda", ".usdc", ".usdz")
 
 _EXAMPLES = """examples:
   inertia assembly pump.toml
@@ -32,7 +31,8 @@ def add(parsers: Any) -> None:
         "assembly",
         help="a tree of parts: mass properties of the whole, with their bound, and what each part contributes",
         description="Place the parts of an assembly, and add them up: mass, centre of mass and tensor of the whole "
-        "with their certified bound; exit code 5 where parts interfere and that is asked for.",
+        "with their certified bound; exit code 5 where parts interfere and that is asked for, 4 where something "
+        "of a robot cannot be weighed.",
         epilog=_EXAMPLES,
     )
     parser.set_defaults(run=run)
@@ -87,13 +87,21 @@ def assembly_of(options: argparse.Namespace) -> Assembly:
     """Return the assembly that a file describes, or the tree that it carries."""
     from inertia.assembly.document import Assembly
 
-    path = Path(options.part)
-    if not (options.joint or options.unit) and path.suffix.lower() not in _ROBOTS:
+    if not (options.joint or options.unit):
         return Assembly.load(options.part)
-    if path.suffix.lower() not in (*_ROBOTS, *_OWN) and not options.joint:
-        return Assembly.carried_by(options.part, options.unit)
-    table, notes = _table(options, path.parent)
-    return replace(Assembly.from_dict(table, path.parent, name=options.part), remarks=notes)
+    _require_carried(options)
+    return Assembly.carried_by(options.part, options.unit, by_name("joint", options.joint))
+
+
+def tell_of_partial(assembly: PartTree) -> int:
+    """Say what has a mass and is not in an answer; return the exit code of what is no honest total, or 0."""
+    from inertia.errors import GeometryError, visible
+
+    if not assembly.unweighed:
+        return 0
+    lacks = "; ".join(assembly.unweighed)
+    print(f"inertia: {visible(f'{assembly.path}: the total is not that of the whole: {lacks}')}", file=sys.stderr)
+    return GeometryError.exit_code
 
 
 def run(options: argparse.Namespace) -> int:
@@ -126,38 +134,28 @@ def run(options: argparse.Namespace) -> int:
         record(assembly.budget(), options.output, options, live=options.live)
     show(options.json, lambda: assembly_document(assembly, pairs), lambda: assembly_text(assembly, pairs))
     tell_of_viewer(options)
-    return 5 if pairs else 0
+    return 5 if pairs else tell_of_partial(assembly)
 
 
-def _table(options: argparse.Namespace, folder: Path) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """Return the tree that a file carries, laid out as an assembly file in a folder is, and what had to be decided."""
-    from inertia.assembly.outline import outline
+def _require_carried(options: argparse.Namespace) -> None:
     from inertia.errors import UsageError
-    from inertia.exchange.robots.read import read_robot
-    from inertia.exchange.robots.tree import robot_tree
 
-    path = Path(options.part)
-    if path.suffix.lower() in _OWN:
+    if Path(options.part).suffix.lower() in _OWN:
         raise UsageError("--to-toml, --joint and --unit are for files that carry a tree: an assembly file has its own")
-    if path.suffix.lower() in _ROBOTS:
-        if options.unit:
-            raise UsageError(f"{options.part} is a robot, whose lengths are in metres: leave --unit out")
-        return robot_tree(read_robot(options.part), by_name("joint", options.joint) or {})
-    if options.joint:
-        raise UsageError(f"{options.part} is no robot, and has no joints: leave --joint out")
-    return outline(path, folder, options.unit)[:2]
 
 
 def _to_toml(options: argparse.Namespace) -> int:
     from inertia.assembly.document import Assembly
-    from inertia.assembly.outline import rounded
+    from inertia.assembly.outline import outline, rounded
     from inertia.documents import toml_text
     from inertia.output import require_writable, write_whole
 
     out = options.to_toml
     if out != "-":
         require_writable(out, ".toml", force=options.force)
-    table, notes = _table(options, Path() if out == "-" else Path(out).parent)
+    _require_carried(options)
+    folder = Path() if out == "-" else Path(out).parent
+    table, notes, *_ = outline(Path(options.part), folder, options.unit, by_name("joint", options.joint))
     Assembly.from_dict(table, name=options.part)  # refuses what could not be read again
     text = toml_text(rounded(table))
     for note in notes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -90,4 +91,6 @@ def run(options: argparse.Namespace) -> int:
                 write_whole(Path(options.fix), result.fixed())
 
     write_and_show(write, options.json, lambda: audit_document(result), lambda: audit_text(result))
+    for left in result.unmended if options.fix is not None else ():
+        print(f"inertia: {options.fix}: {left}", file=sys.stderr)
     return _CODES[result.verdict]

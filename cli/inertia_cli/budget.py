@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from inertia_cli.assembly import add_tree_options, assembly_of
+from inertia_cli.assembly import add_tree_options, assembly_of, tell_of_partial
 from inertia_cli.options import record, require_recordable, tell_of_viewer
 from inertia_cli.printing import show, write_and_show
 
@@ -90,7 +90,7 @@ def run(options: argparse.Namespace) -> int:
 
     write_and_show(write, options.json, lambda: budget_document(whole), lambda: budget_text(whole))
     tell_of_viewer(options)
-    return _CODES[whole.verdict]
+    return tell_of_partial(whole.assembly) or _CODES[whole.verdict]
 
 
 def _diff(options: argparse.Namespace) -> int:
@@ -107,4 +107,4 @@ def _diff(options: argparse.Namespace) -> int:
         budgets.append(assembly_of(options).budget())
     comparison = compare(*budgets)
     show(options.json, lambda: comparison_document(comparison), lambda: comparison_text(comparison))
-    return 0
+    return max(tell_of_partial(budget.assembly) for budget in budgets)

@@ -215,6 +215,34 @@ def test_what_was_measured_overrides_what_was_computed() -> None:
     assert whole.inertia.tolist() == tensor
 
 
+def test_what_was_computed_elsewhere_is_as_sure_as_it_says() -> None:
+    """Two bodies a metre apart at the ends of their bounds, by the theorem of Steiner in rational numbers."""
+    tensor = np.diag([2.0, 3.0, 4.0])
+    bound = {"mass": 1e-6, "center_of_mass": 1e-7, "inertia": 1e-8, "method": "weighed by sums"}
+    part = {"shape": None, "mass": 2.0, "center_of_mass": [0.5, 0, 0], "inertia": tensor, "bound": bound}
+    one, two = (ball(**part) | {"name": name, "at": at} for name, at in (("a", [0, 0, 0]), ("b", [0, 3, 0])))
+    whole = assembly(one, two, unit="m").mass_properties()
+    assert whole.error.method == "weighed by sums"
+    m, off = 2 * (1 + Fraction(1e-6)), Fraction(1e-7)
+    for sign in (1, -1):  # apart, and nearer to each other
+        arm = Fraction(3, 2) + sign * off
+        true = 2 * (4 * (1 + Fraction(1e-8)) + m * arm**2)
+        size = Fraction(whole.error.inertia) * Fraction(float(np.linalg.norm(whole.inertia)))
+        assert abs(Fraction(whole.inertia[2, 2].item()) - true) <= size
+    assert abs(Fraction(whole.mass) - 2 * m) <= Fraction(whole.error.mass) * Fraction(whole.mass)
+    assert whole.error.mass == pytest.approx(1e-6)
+    assert 1e-7 <= whole.error.center_of_mass < 1e-5
+    assert whole.error.inertia < 1e-5
+
+
+def test_a_mass_that_is_off_takes_its_tensor_along() -> None:
+    """A box of a mass that another program worked out: ∫x² = m x²/12."""
+    box = {"name": "b", "shape": "box", "size": [1, 1, 1], "mass": 12.0, "bound": {"mass": 1e-3}}
+    error = assembly(box, unit="m").mass_properties().error
+    assert 1e-3 <= error.mass < 1.001e-3
+    assert 1e-3 <= error.inertia < 4e-3
+
+
 def test_materials_come_by_globs_and_from_the_file_around(tmp_path: Path) -> None:
     (tmp_path / "inner.toml").write_text(
         '[materials]\n"pin*" = "brass"\n[[part]]\nname = "pin1"\nshape = "box"\nsize = [10, 10, 10]\n'
@@ -247,6 +275,10 @@ def test_an_assembly_in_itself_is_refused(tmp_path: Path) -> None:
         ({"matrix": [[0.7, -0.7, 0], [0.7, 0.7, 0], [0, 0, 1]]}, "its digits explain 0.003"),
         ({"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, -1]]}, "is left-handed: mirror the part"),
         ({"quaternion": [0, 0, 0.7, 0.7]}, "squared length that is off 1 by 0.02"),
+        ({"quaternion": [1.5, 2.5, 3.5, 1.25]}, "off 1 by 21, and its digits explain 0.003: divide it by its length"),
+        ({"quaternion": [0, 0, 0.7079, 0.707]}, "give more digits"),
+        ({"matrix": [[2.5, 0, 0], [0, 2.5, 0], [0, 0, 2.5]]}, "explain 0.003: give the rotation alone without"),
+        ({"matrix": [[1, 0.0011, 0], [0, 1, 0], [0, 0, 1]]}, "give more digits, or the rotation alone"),
         ({"quaternion": [0, 0, 0, 0]}, "quaternion is zero"),
         ({"euler": [1, 2, 3]}, "sequence is missing"),
         ({"euler": [1, 2], "sequence": "ZXZ"}, "has 2 angles for the axes 'ZXZ'"),
@@ -258,6 +290,8 @@ def test_an_assembly_in_itself_is_refused(tmp_path: Path) -> None:
         ({"at": ["1/0", 0, 0]}, "nothing is divided by zero"),
         ({"at": ["9" * 5000, 0, 0]}, r"part\[0\]\.at\[0\] has 5000 characters: 1000 are the most"),
         ({"at": [0, "9" * 400, 0]}, r"part\[0\]\.at\[1\] is '9+\.\.\.: no length is of that size"),
+        ({"shape": None, "mass": None, "bound": {"mass": 0.1}}, r"part\[0\]\.bound is given without mass"),
+        ({"bound": {"mass": 1.0}}, r"part\[0\]\.bound\.mass"),
         ({"mass": "0±1"}, r"part\[0\]\.mass is 0\.0: it must be positive"),
         ({"mirror": [0, 0, 0]}, r"mirror is zero"),
         ({"mirror": "x", "center_of_mass": [1, 0, 0]}, r"mirror is given beside center_of_mass as measured"),

@@ -368,7 +368,7 @@ def test_a_mesh_or_stretch_without_a_file_is_refused() -> None:
 
 
 def test_regions_of_cells_are_parts(tmp_path: Path) -> None:
-    table, notes, _ = outline(path("two_region_bar.vtk"), tmp_path)
+    table, notes, *_ = outline(path("two_region_bar.vtk"), tmp_path)
     assert [part["region"] for part in table["part"]] == ["1", "2"]
     assert notes == ()
     parts = Assembly.from_dict(

@@ -10,6 +10,7 @@ from tests.auditing.shapes import pair, skewed
 import inertia
 from inertia.arrays import Float
 from inertia.auditing.audit import Audit
+from inertia_cli.main import main
 
 Writer = Callable[..., Path]
 
@@ -147,6 +148,97 @@ def test_primitives(audited: Callable[..., Audit], shape: str, mass: float, mome
     assert audit.links[0].difference.inertia < 1e-14
 
 
+def moments_of_shell(kind: str) -> list[float]:
+    """Return the moments of a shell of 1 kg by the formulas of textbooks, or as what grows by no thickness."""
+    if kind == "sphere":
+        return [2 / 3 * 0.2**2] * 3
+    if kind == "cylinder":  # barrel and two discs, by their areas
+        barrel, disc = 2 * 0.1 * 0.6, 0.1**2
+        total = barrel + 2 * disc
+        across = barrel * (0.1**2 / 2 + 0.6**2 / 12) + 2 * disc * (0.1**2 / 4 + 0.3**2)
+        return [across / total, across / total, (barrel * 0.1**2 + disc * 0.1**2) / total]
+    if kind == "box":  # the derivative of the solid by its thickness, as between two boxes
+        moments = [
+            np.prod(sides) / 12 * (np.sum(sides**2) - sides**2)
+            for sides in (np.array([0.2, 0.4, 0.6]) + 2 * sign * 1e-5 for sign in (1, -1))
+        ]
+        volumes = [np.prod(np.array([0.2, 0.4, 0.6]) + 2 * sign * 1e-5) for sign in (1, -1)]
+        return ((moments[0] - moments[1]) / (volumes[0] - volumes[1])).tolist()
+    # A barrel with two half spheres, the centre of each at half the radius beyond its rim.
+    barrel, half = 2 * np.pi * 0.1 * 0.5, 2 * np.pi * 0.1**2
+    across = barrel * (0.1**2 / 2 + 0.5**2 / 12) + 2 * half * (5 / 12 * 0.1**2 + (0.25 + 0.05) ** 2)
+    along = barrel * 0.1**2 + 2 * half * 2 / 3 * 0.1**2
+    return [each / (barrel + 2 * half) for each in (across, across, along)]
+
+
+@pytest.mark.parametrize(
+    ("kind", "sizes"),
+    [
+        ("sphere", 'radius="0.2"'),
+        ("cylinder", 'radius="0.1" length="0.6"'),
+        ("box", 'size="0.2 0.4 0.6"'),
+        ("capsule", 'radius="0.1" length="0.5"'),
+    ],
+)
+def test_a_shell_of_a_primitive_is_weighed_in_closed_form(audited: Callable[..., Audit], kind: str, sizes: str) -> None:
+    moments = 3.7 * np.array(moments_of_shell(kind))
+    (shell,) = audited(link("a", inertial(3.7, np.zeros(3), np.diag(moments)), f"<{kind} {sizes}/>")).links
+    assert shell.findings[0].code == "shell_for_solid"
+    assert shell.findings[0].residual < 1e-8
+    # ⅔ m r² is m ((2r)² + (2r)²)/12 as well.
+    assert [finding.code for finding in shell.findings[1:]] == (["alike"] if kind == "sphere" else [])
+
+
+@pytest.mark.parametrize("times", [3, 4])
+def test_a_hollow_ball_of_facets_is_said_to_be_like_a_box(
+    tmp_path: Path, audited: Callable[..., Audit], times: int
+) -> None:
+    corners = split(
+        np.array([[[x, 0, 0], [0, y, 0], [0, 0, z]] for x in (1, -1) for y in (1, -1) for z in (1, -1)]), times
+    )
+    corners /= np.linalg.norm(corners, axis=2, keepdims=True)
+    inwards = np.einsum("ij,ij->i", corners.sum(axis=1), np.cross(*np.diff(corners, axis=1).transpose(1, 0, 2))) < 0
+    corners[inwards] = corners[inwards][:, ::-1]
+    stl(tmp_path / "ball.stl", corners)
+    (ball,) = audited(link("a", inertial(1.37, np.zeros(3), 1.37 * 2 / 3 * np.eye(3)), mesh("ball.stl"))).links
+    assert {ball.findings[0].code, ball.findings[1].code} == {"hull_for_mesh", "alike"}
+    assert "thin shells" in ball.findings[1].sentence
+
+
+@pytest.mark.parametrize("mass", [1e-290, 1e-300, 1e-307])
+def test_a_difference_is_relative_however_little_a_link_weighs(audited: Callable[..., Audit], mass: float) -> None:
+    """Of a ball: ⅖ m r², here stated as m r² itself, so that 60 % are missing."""
+    ball = link("a", inertial(mass, np.zeros(3), np.eye(3) * (mass * 0.01)), '<sphere radius="0.1"/>')
+    box = link("b", inertial(6000.0, np.zeros(3), 500.0 * np.diag([13, 10, 5])), '<box size="1 2 3"/>')
+    small, usual = audited(ball, box).links
+    assert small.state == "inconsistent"
+    assert small.difference is not None
+    assert small.difference.inertia == pytest.approx(0.6, rel=1e-12)
+    assert usual.state == "consistent"
+
+
+def test_what_leaves_float64_is_unjudged_and_the_other_links_are_judged(audited: Callable[..., Audit]) -> None:
+    box = link("b", inertial(6000.0, np.zeros(3), 500.0 * np.diag([13, 10, 5])), '<box size="1 2 3"/>')
+    tiny = inertial(5e-324, np.zeros(3), 5e-324 * np.eye(3))
+    small, usual = audited(link("a", tiny, '<sphere radius="0.1"/>'), box).links
+    assert (small.state, [finding.code for finding in small.findings]) == ("unjudged", ["undecided"])
+    assert "with the stated mass of 4.94066e-324 kg the comparison leaves float64" in small.findings[0].sentence
+    assert usual.state == "consistent"
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("size", [1e-200, 1e-100, 1e-40, 1e-12, 1e12, 1e40, 1e100, 1e200])
+@pytest.mark.parametrize("mass", [5e-324, 1e-300, 1.0, 1e300])
+@pytest.mark.parametrize("moment", [0.0, 5e-324, 1.0, 1e300])
+def test_no_size_is_a_fault_of_the_program(
+    audited: Callable[..., Audit], size: float, mass: float, moment: float
+) -> None:
+    shapes = [f'<box size="{size!r} {2 * size!r} {3 * size!r}"/>', f'<sphere radius="{size!r}"/>']
+    stated = inertial(mass, np.array([size, 0.0, 0.0]), moment * np.diag([1.0, 0.9, 0.8]))
+    for each in audited(link("a", stated, *shapes), link("b", stated, shapes[0])).links:
+        assert each.state != "consistent"
+
+
 def test_a_capsule_is_a_cylinder_and_a_ball(audited: Callable[..., Audit]) -> None:
     radius, length, density = 0.1, 0.5, 1000.0
     barrel, half = np.pi * radius**2 * length * density, 2 / 3 * np.pi * radius**3 * density
@@ -239,8 +331,13 @@ def test_arguments_are_checked(tmp_path: Path, audited: Callable[..., Audit]) ->
         inertia.audit(tmp_path / "x.urdf", tolerance=2.0)
     stl(tmp_path / "upper.stl", skewed().corners)
     stated = inertial(1.0, np.zeros(3), np.eye(3))
-    with pytest.raises(inertia.UsageError, match=r"no density is given for upper\.stl"):
-        audited(link("a", stated, mesh("upper.stl")), densities={"other.stl": 1.0})
+    boxed = link("a", stated, mesh("upper.stl"), '<box size="1 1 1"/>')
+    with pytest.raises(inertia.UsageError, match="no density is given for box 2: name it"):
+        audited(boxed, densities={"upper.stl": 1.0})
+    for others in ({}, {"": 1.0}, {"upper.stl": 1.0, "": 2.0}):
+        says = r"^no mesh or shape of robot\.urdf is called 'uper': there are upper\.stl, box 2$"
+        with pytest.raises(inertia.UsageError, match=says):
+            audited(boxed, densities={**others, "uper": 1.0})
 
 
 def test_mistakes_are_mended_and_nothing_else_changes(
@@ -264,6 +361,58 @@ def test_mistakes_are_mended_and_nothing_else_changes(
         "consistent",
         "inconsistent",
     ]
+
+
+def test_what_cannot_be_mended_does_not_keep_the_rest_from_it(
+    tmp_path: Path, props: inertia.MassProperties, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = props.inertia.tolist()
+    place = " ".join(map(repr, props.center_of_mass.tolist()))
+    turned = f'<inertial pos="{place}" mass="{props.mass!r}" fullinertia="{xx} {yy} {zz} {-xy} {-xz} {-yz}"/>'
+    far = " ".join(map(repr, (1e3 * props.center_of_mass).tolist()))
+    elements = " ".join(repr(1e6 * each) for each in (xx, yy, zz, xy, xz, yz))
+    mm = f'<inertial pos="{far}" mass="{props.mass!r}" fullinertia="{elements}"/>'
+    odd = f'<inertial pos="{place}" mass="{props.mass!r}" diaginertia="{3.3 * xx} {3 * xx} {2.9 * xx}"/>'
+    geoms = '<geom type="mesh" mesh="u"/><geom type="mesh" mesh="l"/>'
+    (tmp_path / "more.xml").write_text(f'<mujoco><body name="other"><joint/>{turned}{geoms}</body></mujoco>')
+    robot, fixed = tmp_path / "r.xml", tmp_path / "fixed.xml"
+    assets = '<mesh name="u" file="upper.stl" inertia="exact"/><mesh name="l" file="lower.stl" inertia="exact"/>'
+    robot.write_text(
+        f"""<mujoco><asset>{assets}</asset><default><geom contype="0" conaffinity="0"/></default><worldbody>
+        <body name="signs"><joint/>{turned}{geoms}</body>
+        <body name="framed"><joint/><frame>{turned}</frame>{geoms}</body>
+        <body name="unit"><joint/>{mm}{geoms}</body>
+        <body name="odd"><joint/>{odd}{geoms}</body>
+        <include file="more.xml"/></worldbody></mujoco>"""
+    )
+    assert main(["audit", str(robot), "--fix", str(fixed)]) == 5
+    said = [line.partition("fixed.xml: ")[2] for line in capsys.readouterr().err.splitlines()]
+    assert said[0] == "framed stays as it is: its <inertial> stands in a <frame>: mend it there"
+    assert said[1].startswith("odd stays as it is: it differs from solids of one density")
+    assert said[2].startswith("other stays as it is: no <body> of that name stands in the file itself, but in one that")
+    assert fixed.read_text().count("<!-- mended: ") == 2
+    assert "<!-- mended: centre and tensor are in millimetres -->" in fixed.read_text()
+    states = {link.name: link.state for link in inertia.audit(fixed).links}
+    assert states == {
+        "signs": "consistent", "framed": "unphysical", "unit": "consistent", "odd": "inconsistent",
+        "other": "unphysical",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(("products", "sign"), [("elements", -1), ("integrals", 1)])
+def test_products_of_the_wrong_kind_are_named_by_what_the_field_is_for(
+    tmp_path: Path, props: inertia.MassProperties, products: str, sign: int
+) -> None:
+    wrong = props.inertia * np.where(np.eye(3) > 0, 1, sign)
+    stl(tmp_path / "both.stl", np.concatenate([shape.corners for shape in pair()]))
+    (tmp_path / "list.toml").write_text(
+        f"[[part]]\nname = 'a'\nmass = {props.mass!r}\ncenter_of_mass = {props.center_of_mass.tolist()}\n"
+        f"inertia = {wrong.tolist()}\nproducts = '{products}'\nmesh = 'both.stl'\n"
+    )
+    (link,) = inertia.audit(tmp_path / "list.toml").links
+    kinds = ["positive integrals (∫xy dm)", "tensor elements (−∫xy dm)"]
+    given, wanted = kinds if products == "elements" else kinds[::-1]
+    assert link.findings[-1].sentence == f"the products are {given} where the field wants {wanted}"
 
 
 def test_a_mass_in_grams_is_mended(props: inertia.MassProperties, audited: Callable[..., Audit]) -> None:

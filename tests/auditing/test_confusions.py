@@ -30,9 +30,71 @@ def subject(shapes: list[Shape], body: Body) -> Subject:
     return Subject("link", Statement(body, np.eye(3)), weighed)
 
 
-def scaled(shape: Shape, factor: float) -> Shape:
-    corners = shape.corners * factor
-    return Shape(shape.name, corners, solid_of(corners), shape.rotation, shape.origin * factor)
+def scaled(shape: Shape, factor: float, *, with_origin: bool = False) -> Shape:
+    """Return a shape whose mesh is so many times as large where it is placed, or whose place is as far out too."""
+    origin = shape.origin * factor if with_origin else shape.origin
+    corners = origin + (shape.corners - shape.origin) * factor
+    return replace(shape, corners=corners, solid=solid_of(corners), origin=origin)
+
+
+FORGOTTEN = {"in millimetres": 1e3, "in centimetres": 1e2, "in inches": 1 / 0.0254, "once too often": 1e-3}
+
+
+@pytest.mark.parametrize("words", FORGOTTEN)
+@pytest.mark.parametrize("at", [(0.11, -0.07, 0.05), (3.0, 2.0, -1.0)])
+def test_meshes_in_another_unit_are_scaled_where_they_are_placed(words: str, at: tuple[float, float, float]) -> None:
+    shapes = [skewed(at=at), skewed("lower.stl", 8, (-0.06, 0.09, 0.13))]
+    body, factor = context(shapes).truth.body, FORGOTTEN[words]
+    stated = Statement(body, np.eye(3))
+    both, one = [scaled(shape, factor) for shape in shapes], [scaled(shapes[0], factor), shapes[1]]
+    out = [scaled(shape, factor, with_origin=True) for shape in shapes]
+    for wrong, of in ((both, "the mesh is "), (one, "upper.stl is "), (out, "the mesh and its origin are ")):
+        if wrong is one and factor < 1:  # so small a mesh asks for no density of its own
+            continue
+        named = explain(Context(stated, wrong)).named
+        assert named is not None
+        assert named.mistakes[0].words.startswith(of)
+        assert words in named.mistakes[0].words
+        assert named.residual < 1e-9
+
+
+def test_what_remains_is_measured_by_the_mesh_as_it_is_once_scaled() -> None:
+    """Half a metre of mesh in millimetres: a centre 3 m off is 0.6 % of the way across what stands in the file."""
+    body, large = context([skewed()]).truth.body, scaled(skewed(), 1e3)
+    for away in (np.array([3.0, 0.0, 0.0]), np.array([0.0, 0.2, 0.0])):
+        result = judge(subject([large], body._replace(center=body.center + away)), [], 0.02)
+        assert result.state == "inconsistent"
+        assert [finding.code for finding in result.findings][-2:] == ["unexplained", "mass_scale"]
+    near = judge(subject([large], body._replace(center=body.center + np.array([1e-3, 0.0, 0.0]))), [], 0.02)
+    (finding,) = near.findings
+    assert finding.code == "unit_scale"
+    low, high = skewed().box
+    assert finding.residual == pytest.approx(1e-3 / np.linalg.norm(high - low), rel=1e-9)
+
+
+def test_another_mistake_beside_a_mesh_in_millimetres_is_made_of_the_mesh_once_scaled() -> None:
+    body, large = context([skewed()]).truth.body, scaled(skewed(), 1e3)
+    turned = body._replace(inertia=body.inertia * TURNED)
+    place = body.center - skewed().origin  # of the tensor about the mesh's origin
+    about = body._replace(inertia=body.inertia + body.mass * (place @ place * np.eye(3) - np.outer(place, place)))
+    for stated, code in ((turned, "product_signs"), (about, "about_origin")):
+        named = explain(Context(Statement(stated, np.eye(3)), [large])).named
+        assert named is not None
+        assert [mistake.code for mistake in named.mistakes] == ["unit_scale", code]
+        assert named.residual < 1e-9
+    known = replace(Context(Statement(body, np.eye(3)), [large]), densities=[STEEL])
+    named = explain(known).named
+    assert named is not None
+    assert named.mistakes[0].words == "the mesh is in millimetres and its scale is not stated"
+
+
+def test_a_primitive_beside_a_mesh_in_millimetres_is_as_large_as_it_is() -> None:
+    mesh, primitive = pair()
+    primitive = replace(primitive, surface=primitive.shell)
+    body = context([mesh, primitive]).truth.body
+    named = explain(Context(Statement(body, np.eye(3)), [scaled(mesh, 1e3), primitive])).named
+    assert named is not None
+    assert named.mistakes[0].words == "the mesh is in millimetres and its scale is not stated"
 
 
 def test_a_mesh_in_millimetres_is_told_from_numbers_in_millimetres_by_its_density() -> None:

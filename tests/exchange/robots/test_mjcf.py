@@ -11,7 +11,7 @@ import inertia
 from inertia.errors import ReadError
 from inertia.exchange.robots.links import Geometry, Primitive, Robot
 from inertia.exchange.robots.read import read_robot
-from inertia.exchange.robots.tree import robot_tree
+from inertia.exchange.robots.tree import robot_tree, unweighed
 from inertia.exchange.rotations import rotation_of_quaternion
 
 ORIENTATIONS = [
@@ -272,6 +272,95 @@ def test_a_default_of_another_name_at_the_top_counts_for_all(tmp_path: Path) -> 
     assert "called 'foo': MuJoCo 3 wants it called main" in " ".join(robot.notes)
 
 
+USUAL = '<default><geom size="0.05 0.1 0.2"/><default class="c"><geom type="capsule"/></default></default>'
+
+
+@pytest.mark.parametrize(
+    ("default", "geom"),
+    [
+        (USUAL, '<geom type="box" size="0.1 0.05"/>'),
+        (USUAL, '<geom type="ellipsoid" size="0.3"/>'),
+        (USUAL, '<geom type="box" size=""/>'),
+        (USUAL, '<geom class="c" size="0.03"/>'),
+        (USUAL, '<geom class="c" size="0.03" fromto="0 0 0 0.1 0.2 0.3"/>'),
+        (USUAL.replace('type="capsule"', 'size="0.7"'), '<geom class="c" type="box"/>'),
+        (USUAL + '<default><geom size="0.5"/></default>', '<geom type="box"/>'),
+        ("", '<geom type="capsule" size="0.1" fromto="0 0 0 1 1 1" pos="0 0 0"/>'),
+    ],
+)
+def test_a_size_takes_the_place_of_as_many_numbers_as_it_has(tmp_path: Path, default: str, geom: str) -> None:
+    file = tmp_path / "a.xml"
+    file.write_text(body(geom, default))
+    compare(read_robot(file), compile_model(file))
+
+
+@pytest.mark.parametrize("above", ORIENTATIONS[1:])
+@pytest.mark.parametrize("own", ORIENTATIONS)
+def test_an_orientation_takes_the_place_of_any_in_a_class(tmp_path: Path, above: str, own: str) -> None:
+    file = tmp_path / "a.xml"
+    inner = f'<default class="b"><geom {own}/></default>'
+    geoms = f'<geom type="box" size="1 2 3" {own}/><geom class="b" type="box" size="1 2 3"/>'
+    file.write_text(body(geoms, f"<default><geom {above}/>{inner}</default>"))
+    compare(read_robot(file), compile_model(file))
+
+
+def test_an_orientation_over_that_of_a_class_turns_a_mesh_too(tmp_path: Path) -> None:
+    solid.file(tmp_path)
+    file = tmp_path / "a.xml"
+    asset = '<asset><mesh name="m" file="upper arm.obj" scale="1 1 1"/></asset>'
+    default = '<default><geom quat="0.7 0.7 0 0"/></default>'
+    file.write_text(body('<geom type="mesh" mesh="m" euler="0 0 30"/>', default + asset))
+    compare(read_robot(file), compile_model(file))
+
+
+@pytest.mark.parametrize(
+    ("quaternion", "says"),
+    [
+        ("1e-200 1e-200 0 0", "1.41e-200 long, which MuJoCo does not take for a rotation: scale it to the length 1"),
+        ("0 1e-8 1e-8 0", "1.41e-08 long"),
+        ("0 1e160 1e160 0", "1.41e+160 long"),
+        ("0 1e-7 1e-7 0", None),
+        ("0 1e150 1e150 0", None),
+    ],
+)
+def test_a_quaternion_of_any_length_is_a_rotation_or_is_refused(
+    tmp_path: Path, quaternion: str, says: str | None
+) -> None:
+    file = tmp_path / "a.xml"
+    file.write_text(body(f'<geom type="box" size="1 2 3" quat="{quaternion}"/>'))
+    model, robot = compile_model(file), read_robot(file)
+    length = np.linalg.norm(model.geom_quat[0])
+    if says is None:
+        assert length == pytest.approx(1.0)
+        compare(robot, model)
+    else:
+        assert length < 0.9
+        assert says in str(robot.links[0].geometries[0].shape)
+
+
+def test_names_that_are_made_are_not_those_given(tmp_path: Path) -> None:
+    file = tmp_path / "a.xml"
+    box, named = '<geom type="box" size="1 1 1"/>', '<geom type="box" size="1 1 1" name="{}"/>'
+    bodies = [
+        f'<body name="body 2"><joint name="body 3"/>{box}</body>',
+        f"<body><joint/>{box}</body>",
+        f"<body><joint/>{box}</body>",
+        f'<body name="a">{named.format("box 2")}{box}{named.format("box 2 2")}</body>',
+        f'<body name="a/box 2">{box}</body>',
+    ]
+    file.write_text(f"<mujoco><worldbody>{''.join(bodies)}</worldbody></mujoco>")
+    robot = read_robot(file)
+    assert [link.name for link in robot.links] == ["body 2", "body 2 2", "body 3", "a", "a/box 2"]
+    assert [link.joint and link.joint.name for link in robot.links] == [
+        "body 3", "body 2 2", "body 3 2", "a", "a/box 2"
+    ]  # fmt: skip
+    tree, _ = robot_tree(robot)
+    names = [part["name"] for part in tree["part"] if part.get("parent") == "a"]
+    assert names == ["a/box 2 3", "a/box 2 4", "a/box 2 2"]
+    assert inertia.Assembly.from_dict(tree).mass_properties().mass == pytest.approx(7 * 8000)
+    assert compile_model(file).body_mass.sum() == pytest.approx(7 * 8000)
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
@@ -281,6 +370,7 @@ def test_a_default_of_another_name_at_the_top_counts_for_all(tmp_path: Path) -> 
         (body("", '<compiler boundmass="0.1"/>'), "boundmass is set"),
         (body("", '<compiler boundmass="0"/>'), None),
         (body('<composite type="cable"/>'), "composite is not read"),
+        (body('<plugin instance="p"/>'), "plugin is not read"),
     ],
 )
 def test_what_is_decided_is_said(tmp_path: Path, text: str, says: str | None) -> None:
@@ -293,14 +383,19 @@ def test_what_is_decided_is_said(tmp_path: Path, text: str, says: str | None) ->
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        (body('<geom type="mesh" mesh="m"/>', '<asset><mesh name="m" vertex="0 0 0"/></asset>'), "has no file"),
+        (body('<geom type="mesh" mesh="m"/>', '<asset><mesh name="m" vertex="0 0 0"/></asset>'), "is flat"),
+        (
+            body('<geom type="mesh" mesh="m"/>', '<asset><mesh name="m" builtin="sphere"/></asset>'),
+            "no file and no vertices",
+        ),
+        (body('<geom type="hfield" hfield="h"/>'), "a height field is not read"),
         (body('<geom type="mesh" mesh="m"/>'), "'m' is not among the assets"),
         (body('<geom type="cone" size="1"/>'), "'cone' is no type"),
         (body('<geom type="box" size="1 1 1" quat="0 0 0 0"/>'), "quat is zero"),
         (body('<geom type="box" size="1 1 1" zaxis="0 0 0"/>'), "an axis of no length"),
         (body('<geom type="box" size="1 1 x"/>'), "it must be numbers"),
         (body('<geom size="1" fromto="0 0 0 1 1 1"/>'), "a sphere with fromto"),
-        (body('<geom type="box" size="1" fromto="0 0 0 1 1 1" pos="0 0 0"/>'), "both pos and fromto"),
+        (body('<geom type="box" size="1" fromto="0 0 0 1 1 1" pos="0 0 1"/>'), "both pos and fromto"),
         (body('<geom type="box" size="1" fromto="0 0 0 0 0 0"/>'), "an axis of no length"),
         (body('<geom type="box" mesh="m"/>'), "a box fitted to a mesh"),
         (
@@ -397,12 +492,12 @@ def test_geoms_without_a_weight_make_no_mass(tmp_path: Path) -> None:
     tree, notes = robot_tree(read_robot(file))
     assert [part["name"] for part in tree["part"]] == ["a"]
     assert "states no mass" in notes[0]
-    file.write_text(
-        body('<geom size="1" mass="2"/><geom name="s" size="1" shellinertia="true"/><geom type="cone" size="1"/>')
-    )
-    tree, notes = robot_tree(read_robot(file))
+    file.write_text(body('<geom size="1" mass="2"/><geom name="s" size="0"/><geom type="cone" size="1"/>'))
+    robot = read_robot(file)
+    tree, notes = robot_tree(robot)
     assert [part.get("mass") for part in tree["part"]] == [None, 2.0]
-    assert ["s is left out: the mass of a shell" in notes[0], "'cone' is no type" in notes[1]] == [True, True]
+    assert ["s is left out: it encloses nothing" in notes[0], "'cone' is no type" in notes[1]] == [True, True]
+    assert unweighed(robot) == notes
 
 
 STATED = '<inertial pos="0.1 0.2 0.3" mass="2" diaginertia="0.03 0.02 0.04"/>'

@@ -10,7 +10,7 @@ from tests.assembly.test_samples import together
 
 import inertia
 from inertia.assembly.document import Assembly
-from inertia.errors import UsageError
+from inertia.errors import GeometryError, UsageError
 from inertia.exchange.robots.read import read_robot
 from inertia.exchange.robots.tree import robot_tree
 from inertia.mass.tensor import point_inertia
@@ -211,17 +211,87 @@ def test_the_whole_of_usd_is_that_of_frames_multiplied_out(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ('link="base"/><child', 'link="ghost"/><child', "part[1].parent is 'ghost': there is no part of that name"),
-        ('link="base"/><child', 'link="b"/><child', "part[1].parent is 'b', which hangs on this part itself"),
+        (
+            'link="base"/><child',
+            'link="ghost"/><child',
+            "joint 'ja' hangs link 'a' on 'ghost', which is not in the file: check its name",
+        ),
+        (
+            'link="base"/><child',
+            'link="b"/><child',
+            "link 'a' hangs from itself, by the joints ja, jb: turn one of them round",
+        ),
     ],
 )
 def test_a_tree_that_is_none_is_not_written(
     old: str, new: str, says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "robot.urdf").write_text(URDF.replace(old, new), encoding="utf-8")
-    assert main(["assembly", str(tmp_path / "robot.urdf"), "--to-toml", str(tmp_path / "out.toml")]) == 2
+    assert main(["assembly", str(tmp_path / "robot.urdf"), "--to-toml", str(tmp_path / "out.toml")]) == 3
     assert f"robot.urdf: {says}" in capsys.readouterr().err
     assert not (tmp_path / "out.toml").exists()
+
+
+ROBOTS = {
+    "r.urdf": '<robot name="r"><link name="a"><inertial><origin xyz="0.1 0.2 0.3"/><mass value="2"/><inertia '
+    'ixx="0.02" iyy="0.03" izz="0.04" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>',
+    "r.xml": '<mujoco><worldbody><body name="a"><joint/><inertial pos="0.1 0.2 0.3" mass="2" '
+    'diaginertia="0.02 0.03 0.04"/></body></worldbody></mujoco>',
+    "r.sdf": '<sdf version="1.9"><model name="m"><link name="a"><inertial><pose>0.1 0.2 0.3 0 0 0</pose><mass>2</mass>'
+    "<inertia><ixx>0.02</ixx><iyy>0.03</iyy><izz>0.04</izz></inertia></inertial></link></model></sdf>",
+    "r.usda": '#usda 1.0\n(metersPerUnit = 1)\ndef Xform "a" (prepend apiSchemas = ["PhysicsRigidBodyAPI", '
+    '"PhysicsMassAPI"]) {\nfloat physics:mass = 2\npoint3f physics:centerOfMass = (0.1, 0.2, 0.3)\n'
+    "float3 physics:diagonalInertia = (0.02, 0.03, 0.04)\n}\n",
+}
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_robot_stands_in_place_of_an_assembly_file_alone_and_nested(name: str, tmp_path: Path) -> None:
+    """A body of 2 kg, and beside a point of 1 kg, 1 m of x apart and turned by a quarter turn, by Steiner's theorem."""
+    if name.endswith("usda"):
+        pytest.importorskip("pxr")
+    (tmp_path / "robots").mkdir()
+    (tmp_path / "robots" / name).write_text(ROBOTS[name])
+    alone = Assembly.load(tmp_path / "robots" / name).mass_properties()
+    assert alone.mass == 2.0
+    assert alone.center_of_mass == pytest.approx([0.1, 0.2, 0.3], rel=1e-7)  # of float32 in USD
+    assert alone.inertia == pytest.approx(np.diag([0.02, 0.03, 0.04]), rel=1e-7)
+    (tmp_path / "whole.toml").write_text(
+        f'unit = "mm"\n[[part]]\nname = "robot"\nassembly = "robots/{name}"\nat = [1000, 0, 0]\n'
+        'euler = [90]\nsequence = "z"\n[[part]]\nname = "point"\nshape = "point"\nmass = 1.0\n'
+    )
+    properties = Assembly.load(tmp_path / "whole.toml").mass_properties()
+    center, own = np.array([0.8, 0.1, 0.3]), np.diag([0.03, 0.02, 0.04])
+    assert properties.mass == 3.0
+    assert properties.center_of_mass == pytest.approx(2 / 3 * center, rel=1e-7)
+    assert properties.inertia == pytest.approx(own + point_inertia(2 / 3, center), rel=1e-6)
+
+
+def test_what_a_nested_robot_leaves_out_is_not_in_the_total(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    geoms = '<geom type="box" size="1 1 1" mass="2"/><geom name="bad" type="cone" size="1"/>'
+    (tmp_path / "r.xml").write_text(f'<mujoco><worldbody><body name="a"><joint/>{geoms}</body></worldbody></mujoco>')
+    (tmp_path / "whole.toml").write_text('[[part]]\nname = "robot"\nassembly = "r.xml"\n')
+    for file in ("r.xml", "whole.toml"):
+        assert main(["assembly", str(tmp_path / file)]) == 4
+        said = capsys.readouterr()
+        assert f"{file}: the total is not that of the whole: link a, bad is left out: body 'a'" in said.err
+        assert "2 kg" in said.out
+
+
+def test_a_link_that_no_body_can_be_is_said_with_its_file(tmp_path: Path) -> None:
+    (tmp_path / "r.urdf").write_text(ROBOTS["r.urdf"].replace('value="2"', 'value="-2"'))
+    (tmp_path / "whole.toml").write_text('[[part]]\nname = "robot"\nassembly = "r.urdf"\n')
+    for file, where in (("r.urdf", "r.urdf"), ("whole.toml", r"whole.toml: part\[0\]: .*r.urdf")):
+        with pytest.raises(GeometryError, match=rf"{where}: link a: its mass is -2 kg"):
+            Assembly.load(tmp_path / file).mass_properties()
+
+
+def test_a_unit_or_joints_where_there_are_none_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "r.urdf").write_text(ROBOTS["r.urdf"])
+    with pytest.raises(UsageError, match=r"r\.urdf is a robot, whose lengths are in metres: it takes no unit"):
+        Assembly.carried_by(tmp_path / "r.urdf", "mm")
+    with pytest.raises(UsageError, match=r"cube\.stl is no robot, and has no joints"):
+        Assembly.carried_by(tmp_path / "cube.stl", joints={"a": 1.0})
 
 
 def test_joints_that_are_not_there_or_do_not_move_are_refused(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """Stages of OpenUSD: units, frames, meshes and primitives; what is written comes back."""
 
 import sys
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from inertia.exchange.robots.links import Link, Primitive
 from inertia.exchange.robots.read import read_robot
 from inertia.exchange.robots.tree import robot_tree
 from inertia.mesh.part import Part
+from inertia.mesh.tree import determinant
 from inertia_cli.main import main
 
 POINTS = "[(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0), (0, 0, 3), (2, 0, 3), (2, 1, 3), (0, 1, 3)]"
@@ -136,11 +138,12 @@ def test_meshes_are_in_the_axes_of_their_link(links: list[Link]) -> None:
         links[0].geometries, ([0, 0, 0], [-4, 0, 0], [0, 0, 0]), ([4, 2, 6], [0, 2, 6], [4, 2, 6]), strict=True
     ):
         assert isinstance(geometry.shape, Part)
-        assert geometry.scale is not None
-        assert float(geometry.scale[0]) == 0.01
+        assert geometry.transform is not None
         corners = geometry.shape.triangles.corners().reshape(-1, 3)
-        assert np.allclose([corners.min(axis=0), corners.max(axis=0)], [low, high], atol=1e-12)
-        assert inertia.mass_properties(geometry.shape, 1.0).volume == pytest.approx(48)
+        corners = corners @ np.array(geometry.transform.linear, float).T + np.array(geometry.transform.at, float)
+        assert np.allclose([100 * corners.min(axis=0), 100 * corners.max(axis=0)], [low, high], atol=1e-12)
+        assert inertia.mass_properties(geometry.shape, 1.0).volume == 6  # in its own axes, wound outwards
+        assert abs(determinant(geometry.transform.linear)) == Fraction(8, 10**6)
 
 
 def test_primitives_and_where_they_lie(links: list[Link]) -> None:

@@ -22,7 +22,7 @@ from inertia.errors import SHELL, GeometryError, InertiaError, Sentence, UsageEr
 from inertia.estimate import uncertainty_of
 from inertia.mass.analyse import analyse, sound_solids_only
 from inertia.mass.analysis import Analysis
-from inertia.mass.moments import PAIRS, ZERO, Moments, Vector
+from inertia.mass.moments import PAIRS, ZERO, Moments, Vector, norm_above, six, vector
 from inertia.mass.properties import MassProperties
 from inertia.mesh import primitives
 from inertia.mesh.part import Cells, Part
@@ -87,19 +87,24 @@ class Body:
 class Library:
     """Files that were integrated, each once, with a density of 1 kg/m³; and what they are with others.
 
-    `remarks` are what reading the trees of nested files had to decide, in sentences.
+    `remarks` are what reading the trees of nested files had to decide, `left_out` what of them has a mass and is not
+    in the trees, in sentences.
     """
 
     def __init__(self) -> None:
         self.remarks: dict[str, None] = {}
+        self.left_out: dict[str, None] = {}
         self._analyses: dict[tuple[object, ...], Analysis] = {}
         self._parts: dict[tuple[Path, str | None], Part] = {}
         self._trees: dict[tuple[Path, str | None], MeshTree | None] = {}
         self._bodies: dict[tuple[object, ...], Body] = {}
 
-    def add(self, remarks: Iterable[str], tree: tuple[Path, str | None, MeshTree] | None) -> None:
+    def add(
+        self, remarks: Iterable[str], tree: tuple[Path, str | None, MeshTree] | None, left_out: Iterable[str] = ()
+    ) -> None:
         """Keep what the reading of a file had to decide, and the meshes that it read, by the file and the unit."""
         self.remarks |= dict.fromkeys(remarks)
+        self.left_out |= dict.fromkeys(left_out)
         if tree is not None:
             self._trees[tree[:2]] = tree[2]
 
@@ -121,7 +126,7 @@ class Library:
                 float(weight.density),
                 weight.mass and float(weight.mass),
             ),
-            *(fields.stretch, fields.mirror, fields.center_of_mass, tensor),
+            *(fields.stretch, fields.mirror, fields.center_of_mass, tensor, fields.bound),
         )
         if key not in self._bodies:
             self._bodies[key] = _certain(fields, weight, analysis, unit.metres)
@@ -211,6 +216,8 @@ def _certain(fields: PartFields, weight: Weight, analysis: Analysis | None, metr
     moments = shape.scaled(Fraction(weight.density)) if weight.mass is None else shape.weighed(Fraction(weight.mass))
     if fields.mirror is not None:
         moments = moments.turned(mirror(fields.mirror), (ZERO,) * 3)
+    if fields.bound is not None:
+        moments, method = _loosened(moments, Fraction(fields.bound.mass)), fields.bound.method or method
     moments = _measured(moments, fields, metres)
     part = None if analysis is None else analysis.part
     return Body(moments, volume, volume_bound, method, part=part, notes=notes)
@@ -220,6 +227,19 @@ def _is_uncertain(fields: PartFields, weight: Weight) -> bool:
     stated = weight.density, weight.mass, fields.shell, fields.scale
     further = fields.sigma, fields.surface_uncertainty, fields.center_of_mass_uncertainty
     return any(map(uncertainty_of, stated)) or any(further) or fields.inertia_uncertainty is not None
+
+
+def _loosened(moments: Moments, relative: Fraction) -> Moments:
+    """Return moments of a mass that is off by so much of it, and all else in proportion."""
+    zeroth, first, second = (
+        [bound + relative * (abs(k) + bound) for k, bound in zip(values, bounds, strict=True)]
+        for values, bounds in (
+            ([moments.zeroth], [moments.zeroth_bound]),
+            (moments.first, moments.first_bound),
+            (moments.second, moments.second_bound),
+        )
+    )
+    return replace(moments, zeroth_bound=zeroth[0], first_bound=vector(first), second_bound=six(second), norms=None)
 
 
 def _measured(moments: Moments, fields: PartFields, metres: Fraction) -> Moments:
@@ -233,6 +253,8 @@ def _measured(moments: Moments, fields: PartFields, metres: Fraction) -> Moments
     if fields.center_of_mass is not None:
         x, y, z = fields.center_of_mass
         center, bound = (metres * x, metres * y, metres * z), ZERO
+        if fields.bound is not None:
+            bound = metres * Fraction(fields.bound.center_of_mass)
     if fields.inertia is not None:
         try:
             MassProperties(float(mass), 0.0, np.zeros(3), fields.inertia)
@@ -242,7 +264,11 @@ def _measured(moments: Moments, fields: PartFields, metres: Fraction) -> Moments
         half = sum((rows[k][k] for k in range(3)), ZERO) / 2
         xx, yy, zz, yz, zx, xy = ((half if i == j else ZERO) - (rows[i][j] + rows[j][i]) / 2 for i, j in PAIRS)
         second, tensor_bound = (xx, yy, zz, yz, zx, xy), ZERO
+        if fields.bound is not None:
+            tensor_bound = Fraction(fields.bound.inertia) * norm_above(k for row in rows for k in row)
+    # Seen from the centre stated, the true one may be `bound` away: by Steiner's theorem.
     first = (mass + moments.zeroth_bound) * bound
+    tensor_bound += Fraction(3, 2) * first * bound
     elements = 2 * tensor_bound
     return Moments(
         center,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Self
@@ -11,11 +12,10 @@ from inertia.assembly.bill import parts_of
 from inertia.assembly.budget import Budget, budget
 from inertia.assembly.fields import AssemblyFields
 from inertia.assembly.interference import Interference, interferences
-from inertia.assembly.outline import outline, relative
+from inertia.assembly.outline import is_carried, outline, relative
 from inertia.assembly.tree import PartTree
 from inertia.documents import document_schema
 from inertia.errors import ReadError, placed
-from inertia.mesh.readers.formats import format_of_name
 from inertia.records import dataclass
 
 
@@ -33,21 +33,28 @@ class Assembly(PartTree):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
-        """Read a file, `-` for standard input; one of meshes (glTF, STEP, …) is the tree that it carries.
+        """Read a file, `-` for standard input; one of meshes (glTF, STEP, …) or a robot is the tree that it carries.
 
-        Raises `ReadError`, `UsageError`.
+        Raises `ReadError`, `UsageError`; `GeometryError` for a robot of which a link has what no body can have.
         """
-        if format_of_name(Path(path)) is None:
-            return super().load(path)
-        return cls.carried_by(path)
+        return cls.carried_by(path) if is_carried(Path(path)) else super().load(path)
 
     @classmethod
-    def carried_by(cls, path: str | os.PathLike[str], unit: str | None = None) -> Self:
-        """Read the tree that a file of meshes carries, its coordinates in a unit other than its own if one is given."""
+    def carried_by(
+        cls, path: str | os.PathLike[str], unit: str | None = None, joints: Mapping[str, float] | None = None
+    ) -> Self:
+        """Read the tree that a file of meshes or of a robot carries.
+
+        Parameters
+        ----------
+        unit : of the coordinates of meshes, in place of the file's own
+        joints : of a robot by name, rad, or m of one that slides; 0 of all others
+        """
         file = Path(path)
-        table, remarks, tree = outline(file, file.parent, unit)
+        table, remarks, tree, left_out = outline(file, file.parent, unit, joints)
         own = None if tree is None else (file.parent / relative(file, file.parent), unit, tree)
-        return replace(cls.from_dict(table, file.parent, name=os.fspath(path)), remarks=remarks, tree=own)
+        whole = cls.from_dict(table, file.parent, name=os.fspath(path))
+        return replace(whole, remarks=remarks, tree=own, left_out=left_out)
 
     @classmethod
     def loads(cls, text: str, folder: str | os.PathLike[str] = ".", name: str | None = None) -> Self:

@@ -237,6 +237,26 @@ class Rows(Section):
             raise FieldError(f"{path}.count", f"asks for {many} copies: {_MOST_COPIES} are the most")
 
 
+@dataclass(frozen=True, eq=False)
+class Bound(Section):
+    """How far at most what was computed elsewhere is off, as it was certified there.
+
+    Attributes
+    ----------
+    mass : relative
+    center_of_mass : a distance
+    inertia : relative, in the Frobenius norm, of a tensor that is stated
+    method : that computed it
+    """
+
+    section: ClassVar[str] = "bound"
+
+    mass: Annotated[float, number("", negative=False, below=1.0)] = 0.0
+    center_of_mass: Annotated[float, number(_LENGTH, negative=False)] = 0.0
+    inertia: Annotated[float, number("", negative=False)] = 0.0
+    method: Annotated[str | None, text] = None
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PartFields(Section):
     """One of ``[[part]]``: what it is, how heavy, where, how sure that is, and how mature it is.
@@ -265,6 +285,8 @@ class PartFields(Section):
     mass : kg, as weighed or guessed, of one copy; with a density as well it overrides
     center_of_mass : as measured, in the axes of the part, in place of what follows from the shape
     inertia : kg m², as measured, about the centre of mass along the axes of the part
+    bound : how far at most a mass, a centre of mass and a tensor that were computed elsewhere are off; none of what was
+        measured, which is exact as stated but for its uncertainty
     shell : wall thickness in the file's unit, of a mesh that is a surface
     sigma : standard deviation of the noise of every coordinate of the mesh
     surface_uncertainty : in the file's unit, standard uncertainty of how far the surface of the solid is from where the
@@ -307,6 +329,7 @@ class PartFields(Section):
     mass: Annotated[float | None, estimate("kg")] = None
     center_of_mass: Annotated[tuple[Fraction, ...] | None, rationals(3, _LENGTH)] = None
     inertia: Annotated[Float | None, numbers((3, 3), "kg m²")] = None
+    bound: Annotated[Bound | None, table(Bound)] = None
     shell: Annotated[float | None, estimate(_LENGTH)] = None
     sigma: Annotated[float | None, number(_LENGTH, positive=True)] = None
     surface_uncertainty: Annotated[float | None, number(_LENGTH, negative=False)] = None
@@ -358,6 +381,7 @@ class PartFields(Section):
         if self.inertia is not None and self.mass is None:
             raise FieldError(f"{path}.mass", "is missing: a tensor as measured is that of a mass as measured")
         for name, needs in (
+            ("bound", "mass"),
             ("center_of_mass_uncertainty", "center_of_mass"),
             ("inertia_uncertainty", "inertia"),
             ("scale_of", "scale"),

@@ -159,10 +159,11 @@ def require_rotation(rows: Sequence[Sequence[float]], path: str) -> None:
     """Refuse a matrix that is left-handed, or farther from orthonormal than the digits it is written with explain."""
     skew, allowed = skew_of(rows), _allowed([k for row in rows for k in row])
     if skew > allowed:
+        digits = "more digits, or " if skew <= _COARSEST else ""
         raise FieldError(
             path,
-            f"is no rotation: it is off orthonormal by {skew:.2g}, and its digits explain {allowed:.2g}: give more "
-            "digits, or the rotation alone without its scale",
+            f"is no rotation: it is off orthonormal by {skew:.2g}, and its digits explain {allowed:.2g}: give {digits}"
+            "the rotation alone without its scale",
         )
     (a, b, c), (d, e, f), (g, h, i) = rows
     if a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) < 0:
@@ -177,9 +178,10 @@ def require_unit(quaternion: Sequence[float], path: str) -> None:
         return
     off, allowed = abs(math.fsum([-1.0, *(k * k for k in quaternion)])), _allowed(quaternion)
     if off > allowed:
+        remedy = "give more digits" if off <= _COARSEST else "divide it by its length"
         raise FieldError(
             path,
-            f"has a squared length that is off 1 by {off:.2g}, and its digits explain {allowed:.2g}: give more digits",
+            f"has a squared length that is off 1 by {off:.2g}, and its digits explain {allowed:.2g}: {remedy}",
         )
 
 

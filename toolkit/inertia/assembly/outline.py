@@ -1,5 +1,6 @@
 """The tree that a mesh, scene or STEP file carries as an assembly laid out as its file is: names, placements, meshes.
 
+That of a robot's file has its links, at given positions of its joints.
 Placements of nodes are applied in moments: the turn and the shift of a node become those of a part or group. What
 scales, mirrors or shears is handed down to the meshes below it as their `stretch`, which no group can have.
 """
@@ -15,34 +16,53 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from inertia.assembly.frames import is_rotation, is_unit
-from inertia.errors import visible
+from inertia.errors import InertiaError, UsageError, placed, visible
 from inertia.mass.moments import dot
 from inertia.mesh.geometry.cell_shapes import volume_blocks
 from inertia.mesh.part import Cells, Part
 from inertia.mesh.read import read, read_tree
 from inertia.mesh.readers.contents import plural, was
+from inertia.mesh.readers.formats import format_of_name
 from inertia.mesh.tree import ONE, Matrix, MeshTree, Motion, determinant, rotation, times, unique
+
+_ROBOTS = (".urdf", ".xml", ".mjcf", ".xacro", ".sdf", ".world", ".usd", ".usda", ".usdc", ".usdz")
 
 
 class Outline(NamedTuple):
-    """An assembly laid out as its file is, what had to be decided, in sentences, and the tree that was read."""
+    """An assembly laid out as its file is, what had to be decided, in sentences, and the tree that was read.
+
+    `left_out` says what has a mass and is not in it, in sentences, which are among the notes.
+    """
 
     table: dict[str, Any]
     notes: tuple[str, ...]
     tree: MeshTree | None = None
+    left_out: tuple[str, ...] = ()
 
 
-def outline(path: Path, folder: Path, unit: str | None = None) -> Outline:
+def is_carried(path: Path) -> bool:
+    """Whether a file is, by its name, one that `outline` reads and no assembly file or bill of materials."""
+    return path.suffix.lower() in _ROBOTS or format_of_name(path) is not None
+
+
+def outline(path: Path, folder: Path, unit: str | None = None, joints: Mapping[str, float] | None = None) -> Outline:
     """Return a file as an assembly.
 
-    It has a part for each node of a file that places its meshes (glTF, 3MF, Collada, STEP), or for each region of
-    another; lengths, as rational numbers, are in the unit of the file.
+    It has a part for each node of a file that places its meshes (glTF, 3MF, Collada, STEP), for each region of
+    another, or for each link of a robot; lengths, as rational numbers, are in the unit of the file.
 
     Parameters
     ----------
     folder : that the file of the assembly will be in
-    unit : of the coordinates, as of `inertia.read`
+    unit : of the coordinates, as of `inertia.read`; of a robot none
+    joints : of a robot by name, rad, or m of one that slides; 0 of all others
     """
+    if path.suffix.lower() in _ROBOTS:
+        if unit:
+            raise UsageError(f"{path} is a robot, whose lengths are in metres: it takes no unit")
+        return _of_robot(path, joints or {})
+    if joints:
+        raise UsageError(f"{path} is no robot, and has no joints: it takes no positions of them")
     file = relative(path, folder)
     tree = read_tree(path, unit)
     if tree is not None and tree.meshes:
@@ -57,6 +77,17 @@ def outline(path: Path, folder: Path, unit: str | None = None) -> Outline:
     alone = {"name": visible(path.stem), "file": file} | own
     notes = (f"{plural(rest, 'element')} in no region {was(rest)} left out",) if names and rest else ()
     return Outline({"schema": 1, "name": visible(path.stem), "unit": part.unit.name, "part": regions or [alone]}, notes)
+
+
+def _of_robot(path: Path, joints: Mapping[str, float]) -> Outline:
+    from inertia.exchange.robots.read import read_robot
+    from inertia.exchange.robots.tree import robot_tree, unweighed
+
+    robot = read_robot(path)
+    try:
+        return Outline(*robot_tree(robot, joints), left_out=unweighed(robot))
+    except InertiaError as error:
+        raise placed(error, str(path)) from None
 
 
 def _regions_with_mass(part: Part) -> tuple[list[str], int]:

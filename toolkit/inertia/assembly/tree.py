@@ -21,7 +21,7 @@ from inertia.assembly.frames import IDENTITY, LENGTH_BITS, UNTURNED, Frame, fram
 from inertia.assembly.outline import relative
 from inertia.assembly.rollup import Placed, place
 from inertia.documents import Document, FieldError, plain, section_of
-from inertia.errors import FieldPath, InertiaError, ReadError, UsageError, placed
+from inertia.errors import FieldPath, GeometryError, InertiaError, ReadError, UsageError, placed
 from inertia.mass.density import ASSUMED, DENSITIES, density_of
 from inertia.mass.moments import ZERO
 from inertia.mass.properties import MassProperties
@@ -86,6 +86,7 @@ class PartTree(Document):
     remarks : what reading had to decide, in sentences
     tree : the meshes that were read already: of which file, in which unit
     moves : nodes that are elsewhere, see `moved`
+    left_out : what has a mass and is not in the tree, in sentences, which are among the remarks
 
     Raises `UsageError` naming the field.
 
@@ -107,6 +108,7 @@ class PartTree(Document):
     remarks: tuple[str, ...] = ()
     tree: tuple[Path, str | None, MeshTree] | None = None
     moves: Mapping[Node, tuple[Frame, ...]] = field(default_factory=dict)
+    left_out: tuple[str, ...] = ()
 
     @classmethod
     def _from_table(cls, table: Mapping[str, Any], folder: Path, text: str | None, name: str) -> Self:
@@ -144,16 +146,23 @@ class PartTree(Document):
     @cached_property
     def _library(self) -> Library:
         library = Library()
-        library.add(self.remarks, self.tree)
+        library.add(self.remarks, self.tree, self.left_out)
         return library
 
     @cached_property
     def placed(self) -> Placed:
         """The parts in their places, in the order of the tree."""
         parts = [(node.body, frames) for node, frames in self.in_places() if node.body is not None]
+        if not parts and self.unweighed:
+            raise placed(GeometryError(f"nothing of it can be weighed: {'; '.join(self.unweighed)}"), self.path)
         if not parts:
             raise placed(UsageError("it has no part with a mass: give one a file, a shape or a mass"), self.path)
         return place(*zip(*parts, strict=True))
+
+    @property
+    def unweighed(self) -> tuple[str, ...]:
+        """What has a mass and is in no answer, here and in nested files, in sentences."""
+        return tuple(self._library.left_out) if self.root else ()
 
     def in_places(self) -> Iterator[tuple[Node, tuple[Frame, ...]]]:
         """Yield all nodes in the order of the tree, each with the frames of its copies in the axes of the whole."""
@@ -265,7 +274,7 @@ class PartTree(Document):
         if len(chain) >= _DEEPEST:
             raise ReadError(f"{part.assembly} is {len(chain)} assemblies deep: {_DEEPEST} are the most")
         nested = type(self).load(file)
-        library.add(nested.remarks, nested.tree)
+        library.add(nested.remarks, nested.tree, nested.left_out)
         if unused := [name for name in ("allowances", "limit") if getattr(nested.fields, name)]:
             does = "counts" if unused == ["limit"] else "count"
             says = f"{part.assembly}: its {' and '.join(unused)} {does} where it is asked about by itself, not here"

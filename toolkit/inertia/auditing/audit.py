@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from difflib import get_close_matches
+from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_NAMED = 8  # shapes that a refusal lists
 _SAME_CENTER = 1e-4
 """Of the largest radius of gyration: a centre of mass that is no farther off is left as it is written."""
 
@@ -91,15 +94,30 @@ class Audit:
     def fixed(self) -> bytes:
         """Return the file with the mass properties of mistaken links mended, and nothing else changed.
 
-        Links whose difference no mistake explains, and those that were not judged by their own meshes, stay as they
-        are.
+        Links whose difference no mistake explains, those that were not judged by their own meshes, and those that are
+        stated elsewhere stay as they are: see `unmended`.
 
         Raises `UsageError` where the format cannot be written into, or links were lumped.
         """
+        return self._mending[0]
+
+    @property
+    def unmended(self) -> tuple[str, ...]:
+        """Which links `fixed` leaves as they are although they differ, and why, in sentences; raises as it does."""
+        left = self._mending[1]
+        reasons = (
+            (link.name, left.get(link.name, "") if link.mended is not None else link.findings[0].sentence)
+            for link in self.links
+            if link.state in ("inconsistent", "unphysical")
+        )
+        return tuple(f"{name} stays as it is: {why}" for name, why in reasons if why)
+
+    @cached_property
+    def _mending(self) -> tuple[bytes, dict[str, str]]:
         if {link.name for link in self.robot.links} != {link.name for link in self.links}:
             raise UsageError("links that were lumped are not those of the file: audit it without lumping to mend it")
         mended = {
-            link.name: Mended(link.mended, link.findings[0].sentence, _center_agrees(link))
+            link.name: Mended(link.mended, _cause(link), _center_agrees(link))
             for link in self.links
             if link.mended is not None
         }
@@ -138,6 +156,8 @@ def audit(
             of = f" of {visible(name)!r}" if name else ""
             raise UsageError(f"the density{of} is {density:g} kg/m³: it must be positive and finite")
     robot = read_robot(path)
+    if isinstance(densities, Mapping):
+        _require_known(densities, robot)
     scales = Scales()
     subjects = []
     for number, link in enumerate(robot.links):
@@ -153,6 +173,12 @@ def audit(
     return Audit(robot, sha256(file_of(str(robot.path)).read_bytes()).hexdigest(), tolerance, links)
 
 
+def _cause(link: LinkAudit) -> str:
+    """Return the mistakes that are named; where none is, why what is stated is impossible."""
+    named = [finding.sentence for finding in link.findings if finding.remedy]
+    return "; and ".join(named) or link.findings[0].sentence
+
+
 def _center_agrees(link: LinkAudit) -> bool:
     """Say whether the stated centre of mass is as good as the mended one: Steiner's term is of second order."""
     if link.difference is None or link.mended is None:
@@ -161,13 +187,24 @@ def _center_agrees(link: LinkAudit) -> bool:
     return link.difference.center_of_mass < _SAME_CENTER * radius
 
 
+def _require_known(densities: Mapping[str, float], robot: Robot) -> None:
+    """Refuse a density of what the robot has not."""
+    names = list(dict.fromkeys(geometry.name for link in robot.links for geometry in link.geometries))
+    for name in densities:
+        if name and name not in names:
+            close = get_close_matches(name, names, _NAMED, 0.0)
+            more = f" and {len(names) - len(close)} more" if len(names) > len(close) else ""
+            there = f"there are {', '.join(close)}{more}" if names else "it has none"
+            raise UsageError(f"no mesh or shape of {visible(robot.path.name)} is called {visible(name)!r}: {there}")
+
+
 def _subject(link: Link, scales: Scales, densities: float | Mapping[str, float] | None) -> Subject:
     stated = None
     if link.inertial is not None:
         rotation = link.inertial.placement.rotation
         inertia = rotation @ link.inertial.inertia @ rotation.T
         body = Body(link.inertial.mass, link.inertial.placement.origin, inertia)
-        stated = Statement(body, rotation, link.inertial.decimals)
+        stated = Statement(body, rotation, link.inertial.decimals, link.inertial.integrals)
     by_role: dict[str, list[Geometry]] = {"visual": [], "collision": []}
     for geometry in link.geometries:
         by_role[geometry.role].append(geometry)
@@ -228,7 +265,7 @@ def _lumped(robot: Robot, subjects: Sequence[Subject]) -> Iterator[Subject]:
             yield by_name[root]
             continue
         stated = [
-            _moved(subject.stated.body, where)
+            subject.stated.body.placed(where.rotation, where.origin)
             for name, where in members
             if (subject := by_name[name]).stated is not None and subject.stated.body.mass > 0
         ]
@@ -269,9 +306,3 @@ def _fixed_together(robot: Robot) -> dict[str, list[tuple[str, Placement]]]:
     for name, (root, where) in ((link.name, places[link.name]) for link in robot.links):
         hung[root].append((name, where))
     return {root: members for root, members in hung.items() if members}
-
-
-def _moved(body: Body, where: Placement) -> Body:
-    return Body(
-        body.mass, where.rotation @ body.center + where.origin, where.rotation @ body.inertia @ where.rotation.T
-    )

@@ -5,7 +5,9 @@ Plain float64 in the axes of the link, for the search over mistakes; the certifi
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -28,11 +30,25 @@ class Body(NamedTuple):
         """Return the body with everything times `density`."""
         return Body(self.mass * density, self.center, self.inertia * density)
 
+    def placed(self, rotation: Float, origin: Float) -> Body:
+        """Return the body seen from axes in which its own are placed so."""
+        return Body(self.mass, rotation @ self.center + origin, rotation @ self.inertia @ rotation.T)
+
+    def grown(self, factor: float, dimensions: int = 3) -> Body:
+        """Return the body with every length from its origin times a factor, made of what has so many dimensions."""
+        size = factor**dimensions
+        return Body(self.mass * size, self.center * factor, self.inertia * (size * factor**2))
+
     def mirrored(self, axis: int) -> Body:
         """Return the mirror image in the plane normal to a coordinate axis."""
         mirror = np.ones(3)
         mirror[axis] = -1.0
         return Body(self.mass, self.center * mirror, self.inertia * np.outer(mirror, mirror))
+
+
+def norm(values: Float) -> float:
+    """Return the root of the sum of squares, however small or large these are; of a tensor, its Frobenius norm."""
+    return math.hypot(*values.ravel().tolist())
 
 
 def together(bodies: Iterable[Body], *, steiner: bool = True) -> Body:
@@ -93,6 +109,7 @@ class Shape:
     solid : of density 1, in the axes of the link
     rotation, origin : (3, 3), (3,) m: the axes of the mesh in those of the link, and where its origin lies there
     unit : metres of its file's own unit, where the robot's file scales it besides; 1 elsewhere
+    surface : itself, with 1 kg/m², of a primitive, whose triangles are within what is round; None of a mesh
     """
 
     name: str
@@ -101,12 +118,29 @@ class Shape:
     rotation: Float
     origin: Float
     unit: float = 1.0
+    surface: Body | None = None
 
     def moved(self, rotation: Float, origin: Float) -> Shape:
         """Return the shape in axes in which those of the link are placed so."""
-        solid = Body(self.solid.mass, rotation @ self.solid.center + origin, rotation @ self.solid.inertia @ rotation.T)
-        corners = self.corners @ rotation.T + origin
-        return Shape(self.name, corners, solid, rotation @ self.rotation, rotation @ self.origin + origin, self.unit)
+        return replace(
+            self,
+            corners=self.corners @ rotation.T + origin,
+            solid=self.solid.placed(rotation, origin),
+            rotation=rotation @ self.rotation,
+            origin=rotation @ self.origin + origin,
+            surface=self.surface and self.surface.placed(rotation, origin),
+        )
+
+    def grown(self, factor: float, *, with_origin: bool = False) -> Shape:
+        """Return the shape with every length from its own origin times a factor, where it is or moved out likewise."""
+        own = self.moved(np.eye(3), -self.origin)
+        grown = replace(
+            own,
+            corners=own.corners * factor,
+            solid=own.solid.grown(factor),
+            surface=own.surface and own.surface.grown(factor, 2),
+        )
+        return grown.moved(np.eye(3), self.origin * factor if with_origin else self.origin)
 
     @cached_property
     def box(self) -> tuple[Float, Float]:
@@ -121,7 +155,7 @@ class Shape:
     @cached_property
     def shell(self) -> Body:
         """The surface itself, with 1 kg/m²."""
-        return shell_of(self.corners)
+        return shell_of(self.corners) if self.surface is None else self.surface
 
     @cached_property
     def hull_solid(self) -> Body:
@@ -133,7 +167,4 @@ class Shape:
     def box_solid(self) -> Body:
         """The box around the mesh, along the axes of the mesh, of density 1."""
         local = (self.corners - self.origin) @ self.rotation
-        body = cuboid(local.min(axis=(0, 1)), local.max(axis=(0, 1)))
-        return Body(
-            body.mass, self.rotation @ body.center + self.origin, self.rotation @ body.inertia @ self.rotation.T
-        )
+        return cuboid(local.min(axis=(0, 1)), local.max(axis=(0, 1))).placed(self.rotation, self.origin)

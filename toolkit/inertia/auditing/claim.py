@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.auditing.bodies import Body, Shape, together
+from inertia.auditing.bodies import Body, Shape, norm, together
 from inertia.records import dataclass
 
 _SMALL = 0.02
@@ -29,11 +29,13 @@ class Statement:
     rotation : (3, 3), the axes in which the file writes the tensor, in those of the link
     decimals : places after the point of the mass, of the centre and of the tensor as they are written; None where
         that is not known
+    integrals : whether the fields of the products are for positive integrals
     """
 
     body: Body
     rotation: Float
     decimals: tuple[int | None, int | None, int | None] = (None, None, None)
+    integrals: bool = False
 
     @cached_property
     def written(self) -> Float:
@@ -60,7 +62,7 @@ class Context:
         low, high = low.min(axis=0), high.max(axis=0)
         center = self.stated.body.center
         beyond = np.maximum(low - center, center - high).clip(min=0)
-        return max(float(np.linalg.norm(high - low)), float(np.linalg.norm(beyond)))
+        return max(norm(high - low), norm(beyond))
 
     @cached_property
     def truth(self) -> Claim:
@@ -123,20 +125,20 @@ def mismatch(context: Context, body: Body) -> float:
     stated = context.stated.body
     worst = []
     for one, other, size in (
-        (body.inertia, stated.inertia, float(np.linalg.norm(stated.inertia))),
+        (body.inertia, stated.inertia, norm(stated.inertia)),
         (body.center, stated.center, context.size),
     ):
-        worst.append((one - other) / (np.abs(other) + _SMALL * max(size, np.finfo(float).tiny)))
+        worst.append((one - other) / (np.abs(other) + _SMALL * max(size, np.finfo(float).smallest_subnormal)))
     every = np.concatenate([each.ravel() for each in worst])
     return float(np.sqrt(np.mean(every**2)))
 
 
 def difference(context: Context, one: Body, other: Body) -> float:
     """Return the largest of the relative differences of mass, tensor and centre (over the size) of two bodies."""
-    mass = abs(one.mass - other.mass) / max(abs(one.mass), abs(other.mass), np.finfo(float).tiny)
-    norms = max(float(np.linalg.norm(one.inertia)), float(np.linalg.norm(other.inertia)), np.finfo(float).tiny)
-    tensor = float(np.linalg.norm(one.inertia - other.inertia)) / norms
-    center = float(np.linalg.norm(one.center - other.center)) / context.size
+    mass = abs(one.mass - other.mass) / max(abs(one.mass), abs(other.mass), np.finfo(float).smallest_subnormal)
+    norms = max(norm(one.inertia), norm(other.inertia), np.finfo(float).smallest_subnormal)
+    tensor = norm(one.inertia - other.inertia) / norms
+    center = norm(one.center - other.center) / context.size
     worst = max(mass, tensor, center)
     return worst if np.isfinite(worst) else np.inf
 
@@ -148,14 +150,15 @@ class Mistake:
     Attributes
     ----------
     code : of the kind of mistake, as in ``product_signs``
-    stage : when it is made: 0 as the shapes are chosen, 1 as they are counted, 2 as they are put together, 3 at the
-        point, axes and signs, 5 at the units, 6 afterwards
+    stage : when it is made: -1 as the meshes are scaled, 0 as the shapes are chosen, 1 as they are counted, 2 as they
+        are put together, 3 at the point, axes and signs, 5 at the units, 6 afterwards
     words : "the tensor is written about the link's origin, not about the centre of mass"
     remedy : what mends it, as an imperative
-    make : what a claim becomes by it
+    make : what a claim becomes by it; that of other shapes has a context of its own, whose size it is measured by
     mass : what the stated mass times is the right one
     of_mesh : whether the meshes are wrong, and not what is stated
     density : what the density that the mass asks for times is the right one; None where it says nothing
+    blur : how far facets that stand for what is round leave what it leads to open, relative
     """
 
     code: str
@@ -166,6 +169,7 @@ class Mistake:
     mass: float = 1.0
     of_mesh: bool = False
     density: float | None = None
+    blur: float = 0.0
 
 
 Kind = Callable[[Context], Iterable[Mistake]]

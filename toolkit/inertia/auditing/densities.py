@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.auditing.bodies import Body, together
+from inertia.auditing.bodies import Body, norm, together
 from inertia.auditing.claim import Context, difference
 from inertia.records import dataclass
 
@@ -64,7 +64,7 @@ def invert(context: Context) -> Densities | None:
     shapes, stated = context.shapes, context.stated.body
     if len(shapes) < 2:
         return None
-    square = max(float(np.linalg.norm(stated.inertia)) / stated.mass, (_SAME * context.size) ** 2)
+    square = max(norm(stated.inertia) / stated.mass, (_SAME * context.size) ** 2)
     scale = np.array([1.0, *[context.size] * 3, *[square] * 6])
     columns = np.array([_moments(shape.solid, stated.center) / scale for shape in shapes]).T
     target = _moments(stated, stated.center) / scale / stated.mass

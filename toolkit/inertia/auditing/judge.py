@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from fractions import Fraction
 from functools import cached_property
 from typing import Literal
 
@@ -12,12 +13,14 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.auditing import densities as inversion
 from inertia.auditing import physical
-from inertia.auditing.bodies import Body, Shape
+from inertia.auditing.bodies import Body, Shape, norm
 from inertia.auditing.claim import Context, Statement
 from inertia.auditing.placeholder import placeholder
 from inertia.auditing.search import Explanation, Search, pairs, singles
+from inertia.errors import InertiaError
 from inertia.exchange.robots.links import Placement
-from inertia.mass.properties import MassProperties
+from inertia.mass.properties import MassProperties, stretched
+from inertia.mesh.tree import ONE
 from inertia.records import dataclass
 
 State = Literal["consistent", "inconsistent", "unphysical", "unjudged"]
@@ -181,9 +184,17 @@ def judge(subject: Subject, alike: Sequence[Subject], tolerance: float) -> LinkA
         if not subject.shapes and not subject.obstacles:
             findings = (*faults, Finding("no_geometry", "it has no mesh or primitive to compare with"))
         return LinkAudit(name, "unphysical" if faults else "unjudged", stated.body, None, (), None, findings, margin)
-    judgement = _judgement(subject, context, alike, tolerance)
-    if not subject.substitute and judgement.state != "consistent":
-        faults += [Finding("outside_hull", fault.sentence) for fault in physical.outside(stated, _hull(subject))]
+    try:
+        with np.errstate(all="ignore"):  # nothing is explained by what is no number
+            judgement = _judgement(subject, context, alike, tolerance)
+            if not subject.substitute and not judgement.of_mesh and judgement.state != "consistent":
+                faults += [
+                    Finding("outside_hull", fault.sentence) for fault in physical.outside(stated, _hull(subject))
+                ]
+    except (InertiaError, np.linalg.LinAlgError):  # the shapes are weighed already, but not at that mass
+        words = f"with the stated mass of {stated.body.mass:g} kg the comparison leaves float64"
+        undecided = (*faults, Finding("undecided", words), *subject.notes)
+        return LinkAudit(name, "unphysical" if faults else "unjudged", stated.body, None, (), None, undecided, margin)
     state, findings = judgement.state, (*faults, *judgement.findings, *subject.notes)
     if faults:
         state = "unphysical" if faults[0].code == "unphysical" else "inconsistent"
@@ -251,6 +262,8 @@ def _judgement(subject: Subject, context: Context, alike: Sequence[Subject], tol
         return _Judgement("unjudged", (Finding("undecided", words, densities.residual),), computed, weights)
     findings = tuple(_findings(search))
     if search.named is None:
+        if not search.candidates and context.densities is None and (implausible := _implausible(weights)):
+            findings += (implausible,)  # in another unit, and with what is not known here
         doubtful = subject.substitute or any(each.room > tolerance / 10 for each in subject.shapes)
         state: State = "unjudged" if doubtful else "inconsistent"
         return _Judgement(state, findings, computed, weights)
@@ -328,18 +341,18 @@ def _sum(subject: Subject, weights: Float) -> MassProperties:
         if weight > 0:
             weighed = each.properties
             if weight != 1:
-                weighed = weighed.with_mass(each.properties.mass * float(weight))
+                weighed = stretched(weighed, ONE, Fraction(float(weight)))
             whole = weighed if whole is None else whole + weighed
     assert whole is not None
     return whole
 
 
 def _difference(stated: Body, computed: MassProperties) -> Difference:
-    tensors = max(float(np.linalg.norm(stated.inertia)), float(np.linalg.norm(computed.inertia)))
+    tensors = max(norm(stated.inertia), norm(computed.inertia))
     return Difference(
         abs(stated.mass - computed.mass) / max(stated.mass, computed.mass),
-        float(np.linalg.norm(stated.center - computed.center_of_mass)),
-        float(np.linalg.norm(stated.inertia - computed.inertia)) / tensors,
+        norm(stated.center - computed.center_of_mass),
+        norm(stated.inertia - computed.inertia) / tensors if tensors else 0.0,  # both below what float64 holds
     )
 
 

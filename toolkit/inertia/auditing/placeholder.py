@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from inertia.auditing.bodies import norm
 from inertia.auditing.claim import Context
 
 _FEW = 2  # significant digits of a figure that somebody typed
@@ -29,7 +30,7 @@ def placeholder(context: Context, others: Iterable[tuple[str, Context | None]]) 
         if about is not None:
             own, its = context.truth.body.inertia / context.stated.body.mass, about.truth.body.inertia
             its = its / about.stated.body.mass
-            if np.linalg.norm(own - its) > _ALIKE * np.linalg.norm(own):
+            if norm(own - its) > _ALIKE * norm(own):
                 return f"centre of mass and tensor are those of {name}, whose meshes are others"
     return None
 

@@ -33,18 +33,24 @@ _ALIKE = 1e-3
 class Explanation:
     """Mistakes, one or two, the residual that is left when they are undone, and what they lead to.
 
-    `alike` are mistakes of other kinds that come to the same with this link.
+    `context` is what that was measured by; `alike` are mistakes of other kinds that come to the same with this link.
     """
 
     mistakes: tuple[Mistake, ...]
     residual: float
     body: Body
+    context: Context
     alike: tuple[Explanation, ...] = ()
 
     @property
     def codes(self) -> frozenset[str]:
         """The kinds of mistake."""
         return frozenset(mistake.code for mistake in self.mistakes)
+
+    @property
+    def blur(self) -> float:
+        """How far facets leave it open."""
+        return max(mistake.blur for mistake in self.mistakes)
 
 
 @dataclass(frozen=True)
@@ -88,15 +94,14 @@ def pairs(context: Context, tolerance: float = EXPLAINED) -> Search:
     Each must make the difference much smaller than the other alone does. Rounding is not among them: with few
     decimals it explains anything.
     """
-    alone = [(mistake, claim, _limit(claim, tolerance)) for mistake, claim in _alone(context)]
-    alone = [each for each in alone if each[0].code != "rounded"]
-    whole = _limit(context.truth, tolerance)
+    truth = context.truth
+    alone, whole = list(_alone(context)), _limit(truth, tolerance)
     attempts = (
-        _Attempt((first, second), second.make(claim), min(whole, limit, other))
-        for first, claim, limit in alone
-        if difference(context, claim.body, context.truth.body) > tolerance / 2
-        for second, _, other in alone
-        if second.stage >= first.stage and second.code != first.code
+        _Attempt((first, second), second.make(claim), min(whole, _limit(claim, tolerance), _limit(other, tolerance)))
+        for first, claim in alone
+        if first.code != "rounded" and difference(context, claim.body, truth.body) > tolerance / 2
+        for second, other in (alone if claim.context is context else _alone(claim.context, truth))
+        if second.code not in ("rounded", first.code) and second.stage >= first.stage
     )
     return _ranked(attempts, context)
 
@@ -114,10 +119,11 @@ def _limit(without: Claim, tolerance: float) -> float:
     return min(tolerance, without.residual / _WORTHWHILE)
 
 
-def _alone(context: Context) -> Iterator[tuple[Mistake, Claim]]:
+def _alone(context: Context, truth: Claim | None = None) -> Iterator[tuple[Mistake, Claim]]:
+    """Yield each mistake that can be made, and what becomes of the truth by it, or of that about other shapes."""
     for kind in KINDS:
         for mistake in kind(context):
-            yield mistake, mistake.make(context.truth)
+            yield mistake, mistake.make(context.truth if truth is None else truth)
 
 
 def _ranked(attempts: Iterable[_Attempt], context: Context) -> Search:
@@ -125,15 +131,17 @@ def _ranked(attempts: Iterable[_Attempt], context: Context) -> Search:
     candidates = _best_of_each_kind(attempts, context)
     if not candidates:
         return Search(None, ())
-    scores = {id(each): mismatch(context, each.body) for each in candidates}
+    scores = {id(each): mismatch(each.context, each.body) for each in candidates}
     best = min(candidates, key=lambda each: scores[id(each)])
     reach = max(_CLEARLY * scores[id(best)], _SAME)
     rivals = [each for each in candidates if scores[id(each)] <= reach]
     others = sorted((each for each in candidates if scores[id(each)] > reach), key=lambda each: each.residual)
     same = max(_ALIKE, best.residual / 2)  # what differs by less than what is left anyhow says the same
-    alike = all(difference(context, each.body, best.body) <= same for each in rivals)
+    by = min((each.context for each in rivals), key=lambda context: context.size)
+    alike = all(difference(by, each.body, best.body) <= same for each in rivals)
     if alike:  # the first in the order of the kinds
-        first = replace(rivals[0], alike=tuple(rivals[1:]))
+        nearly = (each for each in others if difference(by, each.body, best.body) <= each.blur)
+        first = replace(rivals[0], alike=(*rivals[1:], *nearly))
         return Search(first, (first, *others))
     rivals.sort(key=lambda explanation: explanation.residual)
     return Search(None, (*rivals, *others))
@@ -144,7 +152,7 @@ def _best_of_each_kind(attempts: Iterable[_Attempt], context: Context) -> list[E
     best: dict[frozenset[str], Explanation] = {}
     for mistakes, claim, limit in attempts:
         if claim.residual <= limit and _weighs(mistakes, context):
-            explanation = Explanation(mistakes, claim.residual, claim.body)
+            explanation = Explanation(mistakes, claim.residual, claim.body, claim.context)
             other = best.get(explanation.codes)
             if other is None or explanation.residual < other.residual - _SAME:
                 best[explanation.codes] = explanation

@@ -37,7 +37,8 @@ def rotation_of_quaternion(quaternion: Sequence[float]) -> Float:
     >>> rotation_of_quaternion([2, 0, 0, 2]).tolist()
     [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
     """
-    w, x, y, z = quaternion
+    least = -math.frexp(max(map(abs, quaternion)))[1]  # a power of two, so that no square is zero or infinite
+    w, x, y, z = (math.ldexp(k, least) for k in quaternion)
     size = w * w + x * x + y * y + z * z
     return (
         np.array(

@@ -19,7 +19,7 @@ def mistakes(context: Context) -> Iterator[Mistake]:
     """Yield the tensor about each of the points that it may have been written about."""
     points = [("about the link's origin", np.zeros(3))]
     for shape in context.shapes[:3]:
-        if np.linalg.norm(shape.origin) > 0.01 * context.size:
+        if shape.origin.any():
             points.append((f"about the origin of {shape.name}", shape.origin))
     for words, point in points:
         yield _mistake(f"the tensor is {words}, not about the centre of mass", point, 1.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -14,27 +14,32 @@ from inertia.auditing.claim import Claim, Context, Mistake
 _ALL = 12
 """Shapes of a link up to which leaving out and counting twice are tried for each."""
 
+_FACETS = 0.02
+"""Of the tensor of a shell: what 500 facets of a ball are off."""
+
+_Bodies = Callable[[Context], list[Body]]
+"""What is weighed, of what a claim is made about: its meshes may be scaled."""
+
 
 def mistakes(context: Context) -> Iterator[Mistake]:
     """Yield what else may have been weighed in place of the shapes of the link."""
     shapes, known = context.shapes, context.densities is not None
 
-    def of(code: str, words: str, remedy: str, bodies: Sequence[Body]) -> Mistake:
-        if known and len(bodies) == len(shapes):
-            weights = context.densities or ()
-            bodies = [body.weighed(density) for body, density in zip(bodies, weights, strict=True)]
-        return Mistake(code, 0, words, remedy, partial(_with, tuple(bodies)))
+    def of(code: str, words: str, bodies: _Bodies, remedy: str = "weigh the meshes as solids") -> Mistake:
+        return Mistake(code, 0, words, remedy, partial(_with, bodies))
 
-    weigh = "weigh the meshes as solids"
     if not known:
-        yield of("shell_for_solid", _shell(context), weigh, [shape.shell for shape in shapes])
-    yield of("hull_for_mesh", "it is that of the convex hulls of the meshes", weigh, [s.hull_solid for s in shapes])
-    yield of("hull_for_mesh", "it is that of the boxes around the meshes", weigh, [s.box_solid for s in shapes])
+        shells = of("shell_for_solid", _shell(context), lambda about: [shape.shell for shape in about.shapes])
+        yield replace(shells, blur=_FACETS if any(shape.surface is None for shape in shapes) else 0.0)
+    words = "it is that of the convex hulls of the meshes"
+    yield of("hull_for_mesh", words, lambda about: [shape.hull_solid for shape in about.shapes])
+    words = "it is that of the boxes around the meshes"
+    yield of("hull_for_mesh", words, lambda about: [shape.box_solid for shape in about.shapes])
     if len(shapes) > 1 and not known:
-        yield of("hull_for_mesh", "it is that of one box around all meshes", weigh, [_box(shapes)])
+        yield of("hull_for_mesh", "it is that of one box around all meshes", lambda about: [_box(about.shapes)])
     if context.collisions and not known:
-        bodies = [shape.solid for shape in context.collisions]
-        yield of("hull_for_mesh", "it is that of the collision geometry", "weigh the visual meshes", bodies)
+        words, remedy = "it is that of the collision geometry", "weigh the visual meshes"
+        yield of("hull_for_mesh", words, lambda about: [shape.solid for shape in about.collisions], remedy)
     if 1 < len(shapes) <= _ALL:
         for k, shape in enumerate(shapes):
             words, remedy = f"{shape.name} is left out", f"count {shape.name} in"
@@ -61,8 +66,11 @@ def _shell(context: Context) -> str:
     )
 
 
-def _with(bodies: tuple[Body, ...], claim: Claim) -> Claim:
-    return replace(claim, bodies=bodies, copies=(1,) * len(bodies))
+def _with(weighed: _Bodies, claim: Claim) -> Claim:
+    bodies, weights = weighed(claim.context), claim.context.densities
+    if weights is not None and len(bodies) == len(claim.context.shapes):
+        bodies = [body.weighed(density) for body, density in zip(bodies, weights, strict=True)]
+    return replace(claim, bodies=tuple(bodies), copies=(1,) * len(bodies))
 
 
 def _without(number: int, claim: Claim) -> Claim:

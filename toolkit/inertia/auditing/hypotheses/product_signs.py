@@ -13,14 +13,16 @@ from inertia.auditing.bodies import Body
 from inertia.auditing.claim import Claim, Context, Mistake
 
 
-def mistakes(_context: Context) -> Iterator[Mistake]:
+def mistakes(context: Context) -> Iterator[Mistake]:
     """Yield the tensor with the signs of all products turned, then with those of one or two."""
+    integrals, elements = "positive integrals (∫xy dm)", "tensor elements (−∫xy dm)"
+    given, wanted = (elements, integrals) if context.stated.integrals else (integrals, elements)
     for xy, xz, yz in sorted(product((1, -1), repeat=3), key=sum):
         names = [name for name, sign in (("ixy", xy), ("ixz", xz), ("iyz", yz)) if sign < 0]
         if names:
             signs = np.array([[1.0, xy, xz], [xy, 1.0, yz], [xz, yz, 1.0]])
             words = (
-                "the products are positive integrals (∫xy dm) where the field wants tensor elements (−∫xy dm)"
+                f"the products are {given} where the field wants {wanted}"
                 if len(names) == 3
                 else f"the sign of {' and '.join(names)} is turned"
             )

@@ -16,11 +16,13 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.errors import visible
 from inertia.mesh.part import Part
+from inertia.mesh.tree import Matrix, diagonal
+from inertia.mesh.tree import Motion as Transform
 from inertia.records import dataclass
 
 Role = Literal["visual", "collision"]
 Motion = Literal["turns", "slides", "fixed", "other"]
-Filling = Literal["solid", "surface", "hull"]
+Filling = Literal["solid", "surface", "hull", "legacy"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,12 +47,14 @@ class Inertial:
     placement : of the frame at the centre of mass in which the tensor is written
     inertia : (3, 3) kg m² about the centre of mass along the axes of that frame, tensor signs
     decimals : places after the point that mass, centre and tensor are written with; None where that says nothing
+    integrals : whether the file's fields of the products are for positive integrals, and not for tensor elements
     """
 
     mass: float
     placement: Placement
     inertia: Float
     decimals: tuple[int | None, int | None, int | None] = (None, None, None)
+    integrals: bool = False
 
 
 @dataclass(frozen=True)
@@ -89,9 +93,12 @@ class Geometry:
     placement : of its own axes in those of the link
     scale : what the coordinates in the mesh's file are multiplied by to be metres, along its x, y and z; None where
         the file's own unit, or else the metre, counts
+    transform : of a mesh that stands in the robot's file, from its own axes to those of `placement`, m; None where
+        `scale` says all
     density, mass : kg/m³, or kg, that the format has it weigh where nothing is stated of the link; None where it has
         no such rule
-    filling : of a mesh, what weighs that: the solid, its surface (kg/m² then), or its convex hull
+    filling : what of it weighs that: the solid, its surface (kg/m² then), a mesh's convex hull, or what MuJoCo counts
+        of a mesh (`inertia.exchange.robots.mjcf_masses.legacy`)
     """
 
     name: str
@@ -99,12 +106,20 @@ class Geometry:
     shape: Path | Part | Primitive | str
     placement: Placement = field(default_factory=Placement)
     scale: tuple[Fraction, Fraction, Fraction] | None = None
+    transform: Transform | None = None
     density: float | None = None
     mass: float | None = None
     filling: Filling = "solid"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", visible(self.name))
+
+    @property
+    def linear(self) -> Matrix:
+        """What the coordinates of the mesh are multiplied by to be metres."""
+        if self.transform is not None:
+            return self.transform.linear
+        return diagonal(self.scale or (Fraction(1),) * 3)
 
     @property
     def weighs(self) -> bool:
@@ -174,7 +189,8 @@ class Link:
 class Robot:
     """What a file holds: its links, in its order, and what reading had to decide, in sentences.
 
-    `mass` is what the format has the links scaled to, all together, kg; None where it does not.
+    `mass` is what the format has the links scaled to, all together, kg; None where it does not. `left_out` says what
+    has a mass and is not read, in sentences.
     """
 
     path: Path
@@ -183,7 +199,9 @@ class Robot:
     links: tuple[Link, ...]
     notes: tuple[str, ...] = ()
     mass: float | None = None
+    left_out: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", visible(self.name))
         object.__setattr__(self, "notes", tuple(map(visible, self.notes)))
+        object.__setattr__(self, "left_out", tuple(map(visible, self.left_out)))

@@ -51,10 +51,10 @@ class _Edit(NamedTuple):
     text: str
 
 
-def mend(robot: Robot, mended: Mapping[str, Mended]) -> bytes:
-    """Return a robot's file with the mass properties of some links mended, by their names.
+def mend(robot: Robot, mended: Mapping[str, Mended]) -> tuple[bytes, dict[str, str]]:
+    """Return a robot's file with the mass properties of some links mended, by their names; and why others stay.
 
-    Raises `UsageError` where the format cannot be written into, and `ReadError` where the file is no longer that robot.
+    Raises `UsageError` where the format cannot be written into.
     """
     data = file_of(str(robot.path)).read_bytes()
     if robot.format not in _FORMATS:
@@ -62,21 +62,26 @@ def mend(robot: Robot, mended: Mapping[str, Mended]) -> bytes:
     link_tag, edits_of = _FORMATS[robot.format]
     edits: list[_Edit] = []
     done: set[str] = set()
+    elsewhere: set[str] = set()
     only_model = f"{robot.name}::" if robot.name else ""  # its name is none of the links'
     for tag, scope in _all(_tags(data)):
         name = visible(f"{scope}{tag.attributes.get('name', '')}").removeprefix(only_model)
         inertial = tag.child("inertial")
-        if tag.name == link_tag and name in mended and name not in done and inertial is not None:
+        if tag.name != link_tag or name not in mended or name in done:
+            continue
+        if inertial is None:
+            elsewhere.add(name)
+        else:
             done.add(name)
             indent = _indent(data, inertial.start)
             edits += edits_of(data, inertial, mended[name], indent)
-    if missing := sorted(set(mended) - done):
-        where = "in a file that it includes, or in a frame: mend it there"
-        raise ReadError(f"{robot.path} states what {missing[0]!r} weighs {where}")
+    frame = "its <inertial> stands in a <frame>: mend it there"
+    included = f"no <{link_tag}> of that name stands in the file itself, but in one that it includes: mend it there"
+    left = {name: frame if name in elsewhere else included for name in mended if name not in done}
     line_end = b"\r\n" if b"\r\n" in data else b"\n"
     for edit in sorted(edits, reverse=True):
         data = data[: edit.start] + edit.text.encode().replace(b"\n", line_end) + data[edit.end :]
-    return data
+    return data, left
 
 
 def _urdf(data: bytes, inertial: _Tag, mended: Mended, indent: str) -> list[_Edit]:

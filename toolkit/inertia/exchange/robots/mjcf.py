@@ -2,12 +2,14 @@
 
 Read by the XML reference of MuJoCo's documentation: compiler, default, asset/mesh, body, body/inertial, body/geom and
 frame orientations. What has no pair in the other formats is left out and named in a note: plugins, composites,
-attached and replicated models. A body without a joint hangs from its parent as by a fixed one.
+attached models. A body without a joint hangs from its parent as by a fixed one.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
+from copy import deepcopy
 from dataclasses import field, replace
 from fractions import Fraction
 from pathlib import Path
@@ -15,7 +17,7 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from inertia.errors import ReadError
+from inertia.errors import ReadError, visible
 from inertia.exchange.conventions import CONVENTIONS
 from inertia.exchange.robots.links import (
     Filling,
@@ -29,9 +31,10 @@ from inertia.exchange.robots.links import (
     Robot,
     Role,
 )
-from inertia.exchange.robots.mjcf_frames import Angles, along, numbers
+from inertia.exchange.robots.mjcf_frames import ORIENTATIONS, Angles, along, numbers, turned
 from inertia.exchange.robots.text import decimals, floats, robot_xml, scales
-from inertia.exchange.rotations import rotation_of_quaternion
+from inertia.mesh.geometry.hull import convex_hull
+from inertia.mesh.part import Part
 from inertia.mesh.readers.contents import shown
 from inertia.output import note_input
 from inertia.records import dataclass
@@ -39,22 +42,22 @@ from inertia.standard_input import file_of
 
 Attributes = Mapping[str, str]
 
-_UNREAD = ("composite", "flexcomp", "attach", "replicate", "plugin")
+_UNREAD = ("composite", "flexcomp", "attach", "replicate")  # what they make has a mass
 _CHANGES = ("balanceinertia", "boundmass", "boundinertia")  # what MuJoCo does to what is stated
 _MOTIONS: dict[str, Motion] = {"hinge": "turns", "slide": "slides"}
 _WEIGHS = ("density", 1000.0), ("mass", -1.0)  # of a geom, and what they are by default: no mass of its own
-_NO_SOLID = ("plane", "hfield", "sdf")
-_FILLINGS: dict[str, Filling] = {"legacy": "solid", "exact": "solid", "shell": "surface", "convex": "hull"}
+_FILLINGS: dict[str, Filling] = {"legacy": "legacy", "exact": "solid", "shell": "surface", "convex": "hull"}
 _DEEPEST = 32  # files that include one another
 _NESTED = 200  # elements in one another
 _MOST = 1000  # files that are included in all: two in each would be 2³²
+_COPIES = 100_000  # elements that replicas make in all
 
 
 @dataclass(frozen=True)
 class _Mesh:
-    """A mesh of the assets: its file, where its coordinates lie in its own axes, and what of it weighs."""
+    """A mesh of the assets: its file, or itself; where its coordinates lie in its own axes, and what of it weighs."""
 
-    file: Path
+    shape: Path | Part
     scale: tuple[Fraction, Fraction, Fraction]
     placement: Placement
     filling: Filling
@@ -70,6 +73,9 @@ class _Model:
     classes: dict[str, dict[str, dict[str, str]]] = field(default_factory=dict)
     meshes: dict[str, _Mesh | str] = field(default_factory=dict)
     notes: dict[str, None] = field(default_factory=dict)
+    left_out: dict[str, None] = field(default_factory=dict)
+    names: set[str] = field(default_factory=set)
+    joints: set[str] = field(default_factory=set)
 
     def note(self, sentence: str) -> None:
         """Say once what had to be decided."""
@@ -80,7 +86,31 @@ class _Model:
         name = element.get("class", childclass)
         if name not in self.classes:
             raise ReadError(f"the default class {shown(name)} is not there")
-        return {**self.classes[name].get(element.tag, {}), **element.attrib}
+        return _overlaid(self.classes[name].get(element.tag, {}), element.attrib)
+
+
+def _overlaid(usual: Attributes, own: Attributes) -> dict[str, str]:
+    """Return attributes over those of a class: any orientation takes the place of any, and of ``size`` as many numbers
+
+    as are written, as MuJoCo does (tried with it: it wants all the numbers of other attributes).
+    """
+    if any(key in own for key in ORIENTATIONS):
+        usual = {key: value for key, value in usual.items() if key not in ORIENTATIONS}
+    result = {**usual, **own}
+    if "size" in usual and "size" in own:
+        written = own["size"].split()
+        result["size"] = " ".join([*written, *usual["size"].split()[len(written) :]])
+    return result
+
+
+def _unused(name: str, names: set[str]) -> str:
+    """Return a name that nothing has, a number behind it where something has that one; it is taken then."""
+    number, own = 1, name
+    while own in names:
+        number += 1
+        own = f"{name} {number}"
+    names.add(own)
+    return own
 
 
 def read_mjcf(path: Path) -> Robot:
@@ -103,11 +133,16 @@ def read_mjcf(path: Path) -> Robot:
         if (name := default.get("class", "main")) != "main":
             model.classes[name] = model.classes["main"]
             model.note(f"the default class of all elements is called {shown(name)}: MuJoCo 3 wants it called main")
-    for number, mesh in enumerate((each for asset in root.findall("asset") for each in asset.findall("mesh")), 1):
-        name, what = _mesh(mesh, number, model)
+    for mesh in (each for asset in root.findall("asset") for each in asset.findall("mesh")):
+        name, what = _mesh(mesh, model)
         model.meshes[name] = what
+    worlds = root.findall("worldbody")
+    for world in worlds:
+        _replicate(world, model, [0])
+        model.names.update(visible(body.get("name", "")) for body in world.iter("body"))
+        model.joints.update(visible(joint.get("name", "")) for joint in world.iter("joint"))
     count = [0]
-    links = [link for world in root.findall("worldbody") for link in _bodies(world, None, "main", model, count)]
+    links = [link for world in worlds for link in _bodies(world, None, "main", model, count)]
     if not links:
         raise ReadError("it holds no body", code="empty")
     if model.compiler.get("fusestatic") == "true":
@@ -118,7 +153,9 @@ def read_mjcf(path: Path) -> Robot:
     mass = float(numbers(model.compiler, "settotalmass", 1, [-1.0], "compiler")[0])
     if mass > 0:
         model.note(f"settotalmass is set: all weigh {mass:g} kg together, for which masses and tensors are scaled")
-    return Robot(path, "mjcf", root.get("model", ""), tuple(links), tuple(model.notes), mass if mass > 0 else None)
+    total = mass if mass > 0 else None
+    left_out = tuple(model.left_out)
+    return Robot(path, "mjcf", root.get("model", ""), tuple(links), (*model.notes, *left_out), total, left_out)
 
 
 def _include(element: Element, folder: Path, here: Path, files: list[Path], depth: int, level: int) -> None:
@@ -152,7 +189,7 @@ def _defaults(
     own = {tag: dict(attributes) for tag, attributes in {**above, **classes.get(name, {})}.items()}
     for child in element:
         if child.tag != "default":
-            own[child.tag] = {**own.get(child.tag, {}), **child.attrib}
+            own[child.tag] = _overlaid(own.get(child.tag, {}), child.attrib)
     classes[name] = own
     for child in element.findall("default"):
         if child.get("class") is None:
@@ -160,31 +197,80 @@ def _defaults(
         _defaults(child, child.get("class", ""), own, classes)
 
 
-def _mesh(element: Element, number: int, model: _Model) -> tuple[str, _Mesh | str]:
+def _replicate(element: Element, model: _Model, made: list[int]) -> None:
+    """Replace every ``<replicate>`` below an element by frames with the copies, whose names end in their numbers.
+
+    Each lies `offset` beyond the one before, in the axes of that; the angles of ``euler`` are multiplied, not repeated.
+    """
+    for position, child in reversed(list(enumerate(element))):
+        _replicate(child, model, made)
+        if child.tag != "replicate" or any(key in child.attrib for key in (*ORIENTATIONS, "pos") if key != "euler"):
+            continue
+        what = "replicate"
+        count = int(numbers(child.attrib, "count", 1, None, what)[0])
+        offset, euler = (numbers(child.attrib, key, 3, [0.0] * 3, what) for key in ("offset", "euler"))
+        made[0] += count * sum(1 for _ in child.iter())
+        if made[0] > _COPIES:
+            raise ReadError(f"more than {_COPIES} elements are made by replicate")
+        place, frames = np.zeros(3), []
+        for number in range(count):
+            turn = " ".join(repr(number * angle) for angle in euler.tolist())
+            frame = Element("frame", {"pos": " ".join(map(repr, place.tolist())), "euler": turn})
+            if "childclass" in child.attrib:
+                frame.set("childclass", child.attrib["childclass"])
+            frame.extend(deepcopy(each) for each in child)
+            for each in frame.iter():
+                if "name" in each.attrib:
+                    each.set("name", f"{each.get('name')}{child.get('sep', '')}{number:0{len(str(count))}d}")
+            frames.append(frame)
+            with np.errstate(over="ignore", invalid="ignore"):  # the frame of the next says so
+                place = place + model.angles.placement({"euler": turn}, what).rotation @ offset
+        element[position : position + 1] = frames
+
+
+def _mesh(element: Element, model: _Model) -> tuple[str, _Mesh | str]:
     """Return the name of a mesh and what it is, or why it cannot be read."""
     attributes = model.attributes(element, "main")
     reference = attributes.get("file")
-    name = attributes.get("name") or (Path(reference).stem if reference else f"mesh {number}")
+    name = attributes.get("name") or Path(reference or "").stem
     what = f"mesh {shown(name)}"
-    if reference is None:
-        return name, f"{what} has no file: its vertices stand in the model"
+    if reference is None and "vertex" not in attributes:
+        return name, f"{what} has no file and no vertices: what MuJoCo makes by builtin is not read"
     folder = model.compiler.get("meshdir", model.compiler.get("assetdir", ""))
-    if model.compiler.get("strippath") == "true":
-        reference = Path(reference).name
-    file = model.path.parent / folder / reference
+    if reference is None:
+        shape: Path | Part | None = _inline(attributes, what)
+    else:
+        stripped = model.compiler.get("strippath") == "true"
+        shape = model.path.parent / folder / (Path(reference).name if stripped else reference)
+    if shape is None:
+        return name, f"{what} is flat: its convex hull encloses nothing"
     x, y, z = scales(attributes.get("scale", "1 1 1"), what)
-    quaternion = numbers(attributes, "refquat", 4, [1, 0, 0, 0], what)
-    if not quaternion.any():
-        raise ReadError(f"{what}, refquat is zero")
-    turn = rotation_of_quaternion(quaternion.tolist()).T
+    turn = turned(attributes, "refquat", what).T
     if not x == y == z and not np.array_equal(turn, np.eye(3)):
         return name, f"{what} is turned by refquat and scaled differently along its axes"
     # The reference position is taken off first, then the mesh is turned, then scaled.
     origin = -np.array([float(x), float(y), float(z)]) * (turn @ numbers(attributes, "refpos", 3, [0] * 3, what))
-    filling = attributes.get("inertia", "legacy")
+    # Up to MuJoCo 3.2 the compiler said it of all meshes.
+    filling = attributes.get("inertia", "exact" if model.compiler.get("exactmeshinertia") == "true" else "legacy")
     if filling not in _FILLINGS:
         raise ReadError(f"{what}, inertia is {shown(filling)}: it must be {', '.join(_FILLINGS)}")
-    return name, _Mesh(file, (x, y, z), Placement(turn, origin), _FILLINGS[filling])
+    return name, _Mesh(shape, (x, y, z), Placement(turn, origin), _FILLINGS[filling])
+
+
+def _inline(attributes: Attributes, what: str) -> Part | None:
+    """Return a mesh whose vertices stand in the model, without faces the convex hull of these; None if that is flat."""
+    words = {key: attributes.get(key, "").split() for key in ("vertex", "face")}
+    vertices, faces = (floats(" ".join(word), len(word), f"{what}, {key}") for key, word in words.items())
+    for key, values in (("vertex", vertices), ("face", faces)):
+        if len(values) % 3:
+            raise ReadError(f"{what}, {key} holds {len(values)} numbers: it must hold three of each")
+    corners = np.array(vertices).reshape(-1, 3)
+    if not faces:
+        hull = convex_hull(corners)
+        return None if hull is None else Part.from_arrays(hull.reshape(-1, 3), np.arange(hull.size // 3).reshape(-1, 3))
+    if not all(0 <= number < len(corners) and number == int(number) for number in faces):
+        raise ReadError(f"{what}, face names a vertex that is not there: there are {len(corners)}")
+    return Part.from_arrays(corners, np.array(faces, int).reshape(-1, 3))
 
 
 def _within(
@@ -206,14 +292,16 @@ def _bodies(element: Element, parent: str | None, childclass: str, model: _Model
         if child.tag == "body":
             yield from _body(child, parent, where, inner, model, count)
         elif child.tag in _UNREAD:
-            model.note(f"{child.tag} is not read: what it makes is left out")
+            model.left_out[f"{child.tag} is not read: what it makes is left out"] = None
+        elif child.tag == "plugin":
+            model.note("plugin is not read: what it makes is left out")
 
 
 def _body(
     element: Element, parent: str | None, where: Placement, childclass: str, model: _Model, count: list[int]
 ) -> Iterator[Link]:
     count[0] += 1
-    name = element.get("name") or f"body {count[0]}"
+    name = element.get("name") or _unused(f"body {count[0]}", model.names)
     childclass = element.get("childclass", childclass)
     what = f"body {shown(name)}"
     placement = where.then(model.angles.placement(element.attrib, what))
@@ -250,9 +338,9 @@ def _joint(
     elements: list[tuple[Element, Placement, str]], link: str, parent: str | None, placement: Placement, model: _Model
 ) -> Joint:
     if not elements or elements[0][0].tag == "freejoint":
-        return Joint(link, parent, placement)
+        return Joint(_unused(link, model.joints), parent, placement)
     element, where, childclass = elements[0]
-    name = element.get("name") or link
+    name = element.get("name") or _unused(link, model.joints)
     if len(elements) > 1:
         return Joint(name, parent, placement, "other")
     attributes, what = model.attributes(element, childclass), f"joint {shown(name)}"
@@ -300,8 +388,11 @@ def _geometry(attributes: Attributes, what: str, number: int, where: Placement, 
     density, mass = (numbers(attributes, key, 1, [least], what).item() for key, least in _WEIGHS)
     if not first <= group <= last:
         density, mass = 0.0, 0.0
-    if (density or mass) and attributes.get("shellinertia") == "true":
-        return replace(geometry, shape="the mass of a shell (shellinertia) is not computed", density=density)
+    if attributes.get("shellinertia") == "true":
+        if isinstance(geometry.shape, Path | Part):
+            why = 'MuJoCo loads no mesh with shellinertia: write inertia="shell" in its <mesh>'
+            geometry = replace(geometry, shape=why)
+        geometry = replace(geometry, filling="surface")
     return replace(geometry, density=density, mass=mass if mass >= 0 else None)
 
 
@@ -310,8 +401,10 @@ def _shape(attributes: Attributes, what: str, number: int, where: Placement, mod
     role: Role = "collision"
     if attributes.get("contype") == attributes.get("conaffinity") == "0":
         role = "visual"
-    if kind in _NO_SOLID:
+    if kind == "plane":
         return None
+    if kind == "hfield":
+        return Geometry(attributes.get("name") or f"{kind} {number}", role, "a height field is not read")
     if "mesh" not in attributes:
         name = attributes.get("name") or f"{kind} {number}"
         try:
@@ -320,15 +413,15 @@ def _shape(attributes: Attributes, what: str, number: int, where: Placement, mod
             return Geometry(name, role, str(error))
         return Geometry(name, role, shape, where.then(placement))
     name = attributes.get("name") or attributes["mesh"]
-    if kind != "mesh":
+    if kind not in ("mesh", "sdf"):
         return Geometry(name, role, f"a {kind} fitted to a mesh is not read")
     mesh = model.meshes.get(attributes["mesh"], f"the mesh {shown(attributes['mesh'])} is not among the assets")
     if isinstance(mesh, str):
         return Geometry(name, role, mesh)
     placement = where.then(model.angles.placement(attributes, what)).then(mesh.placement)
-    return Geometry(
-        attributes.get("name") or mesh.file.name, role, mesh.file, placement, mesh.scale, filling=mesh.filling
-    )
+    if isinstance(mesh.shape, Path):
+        name = attributes.get("name") or mesh.shape.name
+    return Geometry(name, role, mesh.shape, placement, mesh.scale, filling=mesh.filling)
 
 
 def _primitive(kind: str, attributes: Attributes, what: str, model: _Model) -> tuple[Placement, Primitive]:
@@ -338,11 +431,11 @@ def _primitive(kind: str, attributes: Attributes, what: str, model: _Model) -> t
     if "fromto" in attributes:
         if kind == "sphere":
             raise ReadError(f"{what} is a sphere with fromto, which MuJoCo does not load: give it a pos")
-        if "pos" in attributes:
+        if placement.origin.any():
             raise ReadError(f"{what} has both pos and fromto, which MuJoCo does not load: keep one")
         ends = np.array(floats(attributes["fromto"], 6, f"{what}, fromto")).reshape(2, 3)
         placement = Placement(along(ends[0] - ends[1], what), ends.mean(axis=0))
-        half = 0.5 * float(np.linalg.norm(ends[1] - ends[0]))
+        half = 0.5 * math.hypot(*(ends[1] - ends[0]).tolist())
         size = [size[0], half] if kind in ("capsule", "cylinder") else [size[0], size[0], half]
     if kind == "sphere":
         return placement, Primitive("sphere", (size[0],))

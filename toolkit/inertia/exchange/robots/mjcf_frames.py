@@ -18,8 +18,9 @@ from inertia.exchange.rotations import rotation_of_quaternion
 from inertia.mesh.readers.contents import shown
 from inertia.records import dataclass
 
+_SHORTEST, _LONGEST = 1e-15**0.5, 1e154  # quaternions that MuJoCo normalises, as their squares are numbers
 _UNITS = {"degree": math.pi / 180, "radian": 1.0}
-_ORIENTATIONS = ("quat", "axisangle", "euler", "xyaxes", "zaxis")
+ORIENTATIONS = ("quat", "axisangle", "euler", "xyaxes", "zaxis")
 
 
 @dataclass(frozen=True)
@@ -41,17 +42,14 @@ class Angles:
 
     def placement(self, attributes: Mapping[str, str], what: str, also: tuple[str, ...] = ()) -> Placement:
         """Return where a frame lies; `also` are the attributes that exclude an orientation."""
-        given = [key for key in (*_ORIENTATIONS, *also) if key in attributes]
+        given = [key for key in (*ORIENTATIONS, *also) if key in attributes]
         if len(given) > 1:
             raise ReadError(f"{what} has both {given[0]} and {given[1]}, which MuJoCo does not load: keep one")
         return Placement(self._rotation(attributes, what), numbers(attributes, "pos", 3, [0.0] * 3, what))
 
     def _rotation(self, attributes: Mapping[str, str], what: str) -> Float:
         if "quat" in attributes:
-            quaternion = numbers(attributes, "quat", 4, None, what)
-            if not quaternion.any():
-                raise ReadError(f"{what}, quat is zero")
-            return rotation_of_quaternion(quaternion.tolist())
+            return turned(attributes, "quat", what)
         if "axisangle" in attributes:
             *axis, angle = numbers(attributes, "axisangle", 4, None, what).tolist()
             return _turn(_unit(np.array(axis), what), angle * self.unit)
@@ -71,6 +69,17 @@ class Angles:
         return np.eye(3)
 
 
+def turned(attributes: Mapping[str, str], key: str, what: str) -> Float:
+    """Return the rotation (3, 3) of the quaternion in an attribute; raise `ReadError` of one that MuJoCo spoils."""
+    quaternion = numbers(attributes, key, 4, [1.0, 0.0, 0.0, 0.0], what).tolist()
+    if not any(quaternion):
+        raise ReadError(f"{what}, {key} is zero")
+    if not _SHORTEST <= (length := math.hypot(*quaternion)) <= _LONGEST:
+        lies = f"{what}, {key} is {length:.3g} long, which MuJoCo does not take for a rotation"
+        raise ReadError(f"{lies}: scale it to the length 1")
+    return rotation_of_quaternion(quaternion)
+
+
 def along(direction: Float, what: str) -> Float:
     """Return the smallest turn (3, 3) that takes z to a direction (3,)."""
     z = _unit(direction, what)
@@ -85,7 +94,7 @@ def _turn(axis: Float, angle: float) -> Float:
 
 
 def _unit(vector: Float, what: str) -> Float:
-    length = float(np.linalg.norm(vector))
+    length = math.hypot(*vector.tolist())
     if not length:
         raise ReadError(f"{what}: an axis of no length")
     return vector / length

@@ -37,7 +37,7 @@ _MOTIONS: dict[str, Motion] = {
     "prismatic": "slides",
     "fixed": "fixed",
 }
-_SHAPELESS = ("plane", "heightmap", "image", "empty", "polyline")
+_SHAPELESS = ("plane", "heightmap", "image", "empty")
 
 
 @dataclass
@@ -414,7 +414,7 @@ def _geometries(
                     solid = _primitive(kind, what)
             except ReadError as error:
                 solid = str(error)
-            yield Geometry(label, role, solid, placement, scale, density)
+            yield Geometry(label, role, solid, placement, scale, density=density)
 
 
 def _automatic(link: Element, what: str) -> tuple[float | None, float | None]:

@@ -106,8 +106,10 @@ def _robot(
 
 
 def _inertial(stated: _Stated, places: tuple[int | None, int | None, int | None]) -> Inertial:
-    sign = np.where(np.eye(3) > 0, 1.0, 1.0 if stated.products == "elements" else -1.0)
-    return Inertial(stated.mass, Placement(np.eye(3), np.array(stated.center_of_mass)), sign * stated.inertia, places)
+    integrals = stated.products == "integrals"
+    sign = np.where(np.eye(3) > 0, 1.0, -1.0 if integrals else 1.0)
+    place = Placement(np.eye(3), np.array(stated.center_of_mass))
+    return Inertial(stated.mass, place, sign * stated.inertia, places, integrals)
 
 
 def _meshes(stated: _Stated, path: Path, where: str) -> Iterator[Geometry]:

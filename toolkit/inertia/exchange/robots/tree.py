@@ -4,21 +4,32 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from inertia.errors import GeometryError, UsageError, reworded
+from inertia.arrays import Float
+from inertia.errors import GeometryError, ReadError, UsageError, reworded
 from inertia.exchange.robots.links import Geometry, Joint, Link, Placement, Primitive, Robot
+from inertia.exchange.robots.mjcf_masses import legacy, shell
 from inertia.exchange.rotations import rotation_of_quaternion
 from inertia.mass.analyse import analyse, sound_solids_only
+from inertia.mass.properties import stretched
 from inertia.mass.tensor import faults
 from inertia.mesh.geometry.hull import convex_hull
-from inertia.mesh.part import Part
+from inertia.mesh.part import Part, Rounding
 from inertia.mesh.read import read
+from inertia.mesh.tree import ONE, determinant
 
 _FORMATS = ("urdf", "mjcf", "sdf", "usd")
+_HALF_BIT = 2.0**-53  # of what is rounded to float64 once, relative
+_CLOSED_FORM = 2.0**-50  # of `Primitive.volume`
+_ROUNDED = 2.0**-50  # of the largest coordinate: more than multiplying three by rounded factors moves a vertex
+_LEAST = 1e-60  # m, of sizes that an assembly takes: it says so of others
+_WIDER = 1 + 1e-9  # more than sums and products of bounds are rounded by
 
 
 def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple[dict[str, Any], tuple[str, ...]]:
@@ -26,7 +37,7 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
 
     Where nothing is stated of a link and the format has its geometries weigh something (MJCF, SDFormat, USD), each is a
     part too. Of meshes in the robot's file, and of those whose surface or convex hull weighs, that has the mass
-    properties.
+    properties; of those that MuJoCo counts in part twice, what it counts.
 
     Parameters
     ----------
@@ -34,7 +45,7 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
     joints : rad, or m of one that slides, of joints by name; 0 of all others
 
     Raises `UsageError` for a format without, an unknown joint, and one that does not move; `GeometryError` for a link
-    whose stated mass or tensor no body can have, or cannot be read.
+    whose stated mass or tensor no body can have, or cannot be read; `ReadError` for one that hangs from itself or none.
     """
     if robot.format not in _FORMATS:
         raise UsageError(f"{robot.path}: the joints of {robot.format} are not read: give URDF, MJCF, SDFormat or USD")
@@ -48,12 +59,16 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
             raise UsageError(f"joint {name!r} {what}: {remedy}")
         if not np.isfinite(value):
             raise UsageError(f"joint {name!r} is at {value!r}: it must be a finite number of rad or m")
+    _require_roots(robot)
     parts, notes = [], list(robot.notes)
+    names = {link.name for link in robot.links}
+    names |= {f"{link.name}/{geometry.name}" for link in robot.links for geometry in link.geometries}
+    taken = {link.name for link in robot.links}
     positions |= {name: _followed(name, known, positions) for name, joint in known.items() if joint.mimic}
     for link in robot.links:
         parts.append(_part(link, positions))
         if link.inertial is None and any(geometry.weighs for geometry in link.geometries):
-            parts += _of_geometries(link, notes)
+            parts += _of_geometries(link, notes, names, taken)
         elif link.inertial is None:
             as_a_rule = ", where programs take 1 kg and 1 kg m² for it" if robot.format == "sdf" else ""
             states = "no mass" if link.mass is None else f"a mass of {link.mass:g} kg, but no shape that has it"
@@ -63,6 +78,49 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
     if robot.mass is not None:
         _scale([part for part in parts if "mass" in part or "density" in part], robot.mass)
     return {"schema": 1, "name": robot.name or robot.path.stem, "unit": "m", "part": parts}, tuple(notes)
+
+
+def _require_roots(robot: Robot) -> None:
+    """Refuse links that hang from none in the file, or from themselves, naming the joints."""
+    hung = {link.name: link.joint for link in robot.links}
+    rooted: set[str] = set()
+    for link in robot.links:
+        path: list[str] = []
+        name = link.name
+        while name not in rooted and (joint := hung[name]) is not None and (parent := joint.parent) is not None:
+            if name in path:
+                joints = [str(each and each.name) for each in map(hung.get, path[path.index(name) :])]
+                raise ReadError(
+                    f"link {name!r} hangs from itself, by the joints {', '.join(joints)}: turn one of them round",
+                    code="cycle",
+                )
+            if parent not in hung:
+                raise ReadError(
+                    f"joint {joint.name!r} hangs link {name!r} on {parent!r}, which is not in the file: check its name"
+                )
+            path.append(name)
+            name = parent
+        rooted.update((*path, name))
+
+
+def unweighed(robot: Robot) -> tuple[str, ...]:
+    """Return what has a mass in the robot's format that `robot_tree` leaves out, in sentences."""
+    links = [link for link in robot.links if link.inertial is None]
+    shapes = [(link, geometry) for link in links for geometry in link.geometries if geometry.weighs]
+    return (*robot.left_out, *(_lacks(link, geometry) for link, geometry in shapes if _fault(geometry)))
+
+
+def _fault(geometry: Geometry) -> str:
+    """Return why a geometry cannot be weighed; "" where it can."""
+    if isinstance(geometry.shape, str):
+        return geometry.shape
+    if isinstance(geometry.shape, Primitive) and min(geometry.shape.sizes) <= 0:
+        return "it encloses nothing"
+    return ""
+
+
+def _lacks(link: Link, geometry: Geometry) -> str:
+    return f"link {link.name}, {geometry.name} is left out: {_fault(geometry)}"
 
 
 def _followed(name: str, joints: Mapping[str, Joint], positions: Mapping[str, float]) -> float:
@@ -97,29 +155,43 @@ def _part(link: Link, positions: Mapping[str, float]) -> dict[str, Any]:
     return part
 
 
-def _of_geometries(link: Link, notes: list[str]) -> list[dict[str, Any]]:
-    """Return parts for the geometries that a link weighs by; what cannot be weighed is noted."""
+def _of_geometries(link: Link, notes: list[str], names: set[str], taken: set[str]) -> list[dict[str, Any]]:
+    """Return parts for the geometries that a link weighs by; what cannot be weighed is noted.
+
+    `names` are those given; `taken` of them and of others are those that parts have.
+    """
     parts = []
-    for number, geometry in enumerate(link.geometries):
+    for geometry in link.geometries:
         if not geometry.weighs:
             continue
-        name = f"{link.name}/{geometry.name}"
-        twice = sum(other.name == geometry.name for other in link.geometries[:number])
-        part: dict[str, Any] = {"name": f"{name} {twice + 1}" if twice else name, "parent": link.name}
+        if _fault(geometry):
+            notes.append(_lacks(link, geometry))
+            continue
+        name = own = f"{link.name}/{geometry.name}"
+        number = 1
+        while own in taken or (number > 1 and own in names):
+            number += 1
+            own = f"{name} {number}"
+        taken.add(own)
+        part: dict[str, Any] = {"name": own, "parent": link.name}
         weight = {"density": geometry.density} if geometry.mass is None else {"mass": geometry.mass}
-        if isinstance(geometry.shape, Part) or (isinstance(geometry.shape, Path) and geometry.filling != "solid"):
-            part |= _figures(geometry, geometry.shape, part["name"])
-        elif isinstance(geometry.shape, Path):
+        if isinstance(geometry.shape, Primitive):
+            part |= {"shape": geometry.shape.kind, "size": list(geometry.shape.sizes)} | weight
+            if geometry.filling == "surface" and _LEAST <= min(part["size"]) <= max(part["size"]) <= 1 / _LEAST:
+                part |= _of_shell(geometry, geometry.shape)
+                part.pop("density", None)
+        elif isinstance(geometry.shape, Path) and geometry.filling in ("solid", "legacy"):
             part |= {"file": str(geometry.shape.absolute()), "unit": "m"} | weight
             if geometry.scale is not None and set(geometry.scale) != {1}:
-                part["stretch"] = [float(k) for k in geometry.scale]
-        elif isinstance(geometry.shape, Primitive) and min(geometry.shape.sizes) > 0:
-            part |= {"shape": geometry.shape.kind, "size": list(geometry.shape.sizes)} | weight
-        else:
-            why = geometry.shape if isinstance(geometry.shape, str) else "it encloses nothing"
-            notes.append(f"link {link.name}, {geometry.name} is left out: {why}")
-            continue
-        parts.append(part | _placed(geometry.placement))
+                part["stretch"] = list(geometry.scale)
+            if geometry.filling == "legacy" and (counted := _counted(geometry, geometry.shape, own, notes)):
+                part |= counted
+                part.pop("density", None)
+        elif not isinstance(geometry.shape, str):
+            part |= _figures(geometry, geometry.shape, own)
+            if geometry.filling == "legacy":
+                part |= _counted(geometry, geometry.shape, own, notes)
+        parts.append(part | _placed(_centred(geometry)))
     if link.mass is not None:
         _scale(parts, link.mass)
     return parts
@@ -127,48 +199,153 @@ def _of_geometries(link: Link, notes: list[str]) -> list[dict[str, Any]]:
 
 def _scale(parts: Sequence[dict[str, Any]], mass: float) -> None:
     """Have parts weigh so much together (kg), in proportion to what they do."""
-    weights = [part["mass"] if "mass" in part else part.pop("density") * _volume(part) for part in parts]
-    for part, weight in zip(parts, weights, strict=True):
-        part["mass"] = mass * (weight / sum(weights))
+    weights, bounds = zip(*map(_weight, parts), strict=True)
+    # Of one part the share is all; of several each is off by what its own weight and the sum of them are.
+    loose = _WIDER * (2 * max(bounds) / (1 - max(bounds)) + _HALF_BIT) if len(parts) > 1 else 0.0
+    for part, weight, bound in zip(parts, weights, bounds, strict=True):
+        part.pop("density", None)
+        part["mass"] = float(Fraction(mass) * weight / sum(weights))
         if "inertia" in part:
-            part["inertia"] = (np.array(part["inertia"]) * (part["mass"] / weight)).tolist()
+            factor = Fraction(part["mass"]) / weight
+            part["inertia"] = [[float(Fraction(k) * factor) for k in row] for row in part["inertia"]]
+        own = part.pop("bound", {})
+        if own or loose:
+            own |= {"mass": loose}
+        if "inertia" in part:
+            own["inertia"] = _WIDER * (own.get("inertia", 0.0) + bound + loose + _HALF_BIT)
+        if own:
+            part["bound"] = own
 
 
-def _volume(part: Mapping[str, Any]) -> float:
-    """Return what the shape or the mesh of a part encloses, m³."""
+def _weight(part: Mapping[str, Any]) -> tuple[Fraction, float]:
+    """Return what a part weighs, kg, and how far that may be off, relative."""
+    if "mass" in part:
+        return Fraction(part["mass"]), part.get("bound", {}).get("mass", 0.0)
+    volume, bound = _volume(part)
+    return Fraction(part["density"]) * volume, bound
+
+
+def _volume(part: Mapping[str, Any]) -> tuple[Fraction, float]:
+    """Return what the shape or the mesh of a part encloses, m³, and how far that may be off, relative."""
     if "shape" in part:
-        return Primitive(part["shape"], tuple(part["size"])).volume
+        return Fraction(Primitive(part["shape"], tuple(part["size"])).volume), _CLOSED_FORM
     with sound_solids_only("masses are shared out among sound solids only"):
-        volume = analyse(read(part["file"], part["unit"]), 1.0).properties.volume
-    return float(volume * abs(math.prod(part.get("stretch", (1.0,)))))
+        properties = analyse(read(part["file"], part["unit"]), 1.0).properties
+    stretch = abs(math.prod(part.get("stretch", (Fraction(1),))))
+    return stretch * Fraction(properties.volume), properties.error.volume
 
 
-def _figures(geometry: Geometry, mesh: Path | Part, name: str) -> dict[str, Any]:
-    """Return mass, centre of mass and tensor of a mesh, of its surface, or of its convex hull."""
+def _of_shell(geometry: Geometry, shape: Primitive) -> dict[str, Any]:
+    """Return mass and tensor of the surface of a primitive."""
+    area, moments = shell(shape)
+    mass = area * (geometry.density or 0.0) if geometry.mass is None else geometry.mass
+    bound = {"mass": _CLOSED_FORM if geometry.mass is None else 0.0, "inertia": 8 * _CLOSED_FORM}
+    return {
+        "mass": mass,
+        "center_of_mass": [0.0] * 3,
+        "inertia": np.diag(mass * moments).tolist(),
+        "bound": bound | {"method": "closed form"},
+    }
+
+
+def _counted(geometry: Geometry, mesh: Path | Part, name: str, notes: list[str]) -> dict[str, Any]:
+    """Return what MuJoCo counts of a mesh, and note what that is beside what it encloses; nothing where they agree."""
+    counted = legacy(_corners(geometry, mesh))
+    if counted is None:
+        return {}
+    density, mass = geometry.density or 0.0, geometry.mass
+    factor, unit = (density, "kg") if mass is None else (1.0, "m³")
+    notes.append(
+        f"{name}: its mesh is not convex, and MuJoCo's legacy inertia counts {factor * counted.volume:.4g} {unit} "
+        f'where it encloses {factor * counted.encloses:.4g} {unit}: write inertia="exact" in its <mesh> for that'
+    )
+    weight, error = density * counted.volume if mass is None else mass, counted.error
+    if not error.mass < 1:
+        raise GeometryError(f"{name}: it is so thin that nothing is certain of what MuJoCo's legacy inertia counts")
+    return {
+        "mass": weight,
+        "center_of_mass": counted.center.tolist(),
+        "inertia": (counted.inertia * (weight / counted.volume)).tolist(),
+        "bound": {
+            "mass": error.mass if mass is None else 0.0,
+            "center_of_mass": error.center_of_mass,
+            "inertia": error.inertia + error.mass,
+            "method": error.method,
+        },
+    }
+
+
+def _corners(geometry: Geometry, mesh: Path | Part) -> Float:
+    """Return the triangles (m, 3, 3) m of a mesh in its own axes, scaled."""
     surface = (mesh if isinstance(mesh, Part) else read(mesh, "m")).triangles
     scale = [float(k) for k in geometry.scale or (1, 1, 1)]
     corners = surface.corners() * scale
-    if math.prod(scale) < 0:
-        corners = corners[:, ::-1]
+    return corners[:, ::-1] if math.prod(scale) < 0 else corners
+
+
+def _figures(geometry: Geometry, mesh: Path | Part, name: str) -> dict[str, Any]:
+    """Return mass, centre of mass and tensor of a mesh, of its surface, or of its convex hull, and their bound.
+
+    Scale and transform are applied to the moments: coordinates that are multiplied or moved are rounded.
+    """
+    part = mesh if isinstance(mesh, Part) else read(mesh, "m")
+    linear, density = geometry.linear, Fraction(1)
+    if not determinant(linear):
+        raise GeometryError(f"{name} is scaled to nothing: leave it out")
     if geometry.filling == "hull":
-        hull = convex_hull(corners.reshape(-1, 3))
+        hull = convex_hull(part.triangles.corners().reshape(-1, 3))
         if hull is None:
             raise GeometryError(f"{name} is flat: its convex hull encloses nothing")
-        corners = hull
-    part = Part.from_arrays(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), unit="m")
+        part = _of_corners(hull, 0.0 if part.rounding is None else part.rounding.distance)
+    elif geometry.filling == "surface":
+        sizes = {abs(linear[k][k]) for k in range(3)}
+        if len(sizes) > 1:  # areas have no rule for that, so that it is the coordinates that are multiplied
+            part, linear = _scaled(part, [float(linear[k][k]) for k in range(3)]), ONE
+        else:
+            density /= sizes.pop()  # of an area, which grows by one power less than a volume
     thickness = 1.0 if geometry.filling == "surface" else None
     try:
         with sound_solids_only("a link weighs by sound solids only"):
             properties = analyse(part, geometry.density or 1.0, shell=thickness).properties
     except GeometryError as error:
         raise reworded(error, error.words, (name,)) from None
+    if linear != ONE:
+        properties = stretched(properties, linear, density)
     if geometry.mass is not None:
         properties = properties.with_mass(geometry.mass)
+    known = properties.error
     return {
         "mass": properties.mass,
         "center_of_mass": properties.center_of_mass.tolist(),
         "inertia": properties.inertia.tolist(),
-    }
+        "bound": {
+            "mass": known.mass,
+            "center_of_mass": known.center_of_mass,
+            "inertia": known.inertia,
+            "method": known.method,
+        },
+    } | ({} if geometry.transform is None else {"at": list(geometry.transform.at)})
+
+
+def _of_corners(corners: Float, distance: float) -> Part:
+    """Return triangles (m, 3, 3) as a part whose vertices may be `distance` from where they belong, m."""
+    part = Part.from_arrays(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), unit="m")
+    return replace(part, rounding=Rounding(distance)) if distance else part
+
+
+def _scaled(part: Part, scale: Sequence[float]) -> Part:
+    """Return a mesh with its coordinates multiplied, and how far that rounds them."""
+    corners = part.triangles.corners() * scale
+    own = 0.0 if part.rounding is None else part.rounding.distance * max(map(abs, scale))
+    return _of_corners(corners, own + _ROUNDED * float(np.abs(corners).max()))
+
+
+def _centred(geometry: Geometry) -> Placement:
+    """Return where the axes of a part lie in those of the link: a cone's are at its centre of mass, h/4 below half."""
+    place, shape = geometry.placement, geometry.shape
+    if not isinstance(shape, Primitive) or shape.kind != "cone":
+        return place
+    return place.then(Placement(origin=np.array([0.0, 0.0, -shape.sizes[1] / 4])))
 
 
 def _placed(place: Placement) -> dict[str, Any]:
@@ -184,7 +361,7 @@ def _moved(joint: Joint, position: float) -> Placement:
     way = position - joint.rest
     if joint.kind not in ("turns", "slides") or way == 0:
         return Placement()
-    along = joint.axis / np.linalg.norm(joint.axis)
+    along = joint.axis / math.hypot(*joint.axis.tolist())
     if joint.kind == "slides":
         return Placement(np.eye(3), way * along)
     rotation = rotation_of_quaternion([np.cos(way / 2), *(np.sin(way / 2) * along)])

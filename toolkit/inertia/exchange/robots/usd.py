@@ -8,7 +8,7 @@ UsdPhysics: what is zero, or not finite for the centre of mass, counts as not gi
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, Literal
@@ -29,9 +29,14 @@ from inertia.exchange.robots.links import (
     Robot,
     Role,
 )
+from inertia.exchange.robots.usd_transforms import Transforms, shortened
 from inertia.exchange.rotations import rotation_of_quaternion
+from inertia.mass.moments import dot
 from inertia.mesh.part import Part
 from inertia.mesh.readers.contents import shown
+from inertia.mesh.tree import Matrix, diagonal, inverse, times
+from inertia.mesh.tree import Motion as Transform
+from inertia.mesh.turns import root
 from inertia.standard_input import NAME as STANDARD_INPUT
 from inertia.standard_input import file_of
 
@@ -68,7 +73,8 @@ class _Stage:
         self.name = stage.GetDefaultPrim().GetName() if stage.GetDefaultPrim() else path.stem
         self._stage = stage  # prims die with it
         self.prims = list(Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()))
-        self._transforms = UsdGeom.XformCache(self.time)
+        self._cache = UsdGeom.XformCache(self.time)
+        self.transforms = Transforms(UsdGeom, self._cache)
         self.bodies = [prim for prim in self.prims if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
         self.bodies = self.bodies or [prim for prim in self.prims if prim.HasAPI(UsdPhysics.MassAPI)]
         names = [prim.GetName() for prim in self.bodies]
@@ -110,7 +116,7 @@ class _Stage:
     def place(self, prim: Any) -> tuple[Float, Float]:
         """Return A, (3, 3), and b, (3,): a point p of a prim lies at A p + b in the stage, in its units."""
         try:
-            matrix = np.array(self._transforms.GetLocalToWorldTransform(prim))
+            matrix = np.array(self._cache.GetLocalToWorldTransform(prim))
         except self.fault:
             raise ReadError(f"the transformation of {prim.GetPath()} cannot be used") from None
         if not np.isfinite(matrix).all():
@@ -333,8 +339,7 @@ def _geometries(stage: _Stage, body: Any, notes: dict[str, None]) -> Iterator[Ge
         notes[f"what {', '.join(map(shown, apart))} below {shown(body.GetName())} states of itself is not counted"] = (
             None
         )
-    matrix, origin = stage.place(body)
-    rotation = _rotation(matrix)
+    unscaled, origin = _axes(stage, body)
     for prim in stage.prims:
         kind, where = prim.GetTypeName(), str(prim.GetPath())
         if kind not in _SOLIDS + _UNREAD or stage.body_of(where) != path:
@@ -347,25 +352,45 @@ def _geometries(stage: _Stage, body: Any, notes: dict[str, None]) -> Iterator[Ge
         hidden = image.ComputePurpose() in (tokens.guide, tokens.proxy) or image.ComputeVisibility() == tokens.invisible
         if role == "visual" and hidden:
             continue  # a mark for the eye of who edits, what stands in for the body, or what is not shown
-        a, b = stage.place(prim)
-        inner, offset = rotation.T @ a, rotation.T @ (b - origin)
+        stage.place(prim)  # raises where it is not finite
+        lies = stage.transforms.place(prim)
+        away = [a - b for a, b in zip(lies.at, origin, strict=True)]
+        at = tuple(dot(row, away) for row in unscaled)
+        transform = shortened(Transform(at, times(unscaled, lies.linear)))
         density, mass = (None, None) if role == "visual" else _weight(stage, prim, path)
         mass = None if _states_mass(stage, body) else mass
         name = where.removeprefix(f"{path}/") if where != path else prim.GetName()
         if kind == "Mesh":
             if stage.geometry.Mesh(prim).GetSubdivisionSchemeAttr().Get() != stage.geometry.Tokens.none:
                 notes["meshes are taken as their points have them: no subdivision is applied"] = None
-            shape = _mesh(stage, prim, inner, offset)
-            scale = Fraction(repr(stage.metres))
+            shape = _mesh(stage, prim)
             hull = prim.HasAPI(stage.physics.MeshCollisionAPI) and (
                 stage.physics.MeshCollisionAPI(prim).GetApproximationAttr().Get() == stage.physics.Tokens.convexHull
             )
             filling: Filling = "hull" if hull else "solid"
-            scales = scale, scale, scale
-            yield Geometry(name, role, shape, scale=scales, density=density, mass=mass, filling=filling)
+            yield Geometry(name, role, shape, transform=transform, density=density, mass=mass, filling=filling)
         else:
-            turn, solid = _primitive(stage, kind, prim, inner)
-            yield Geometry(name, role, solid, Placement(turn, offset * stage.metres), density=density, mass=mass)
+            turn, solid = _primitive(stage, kind, prim, transform.linear)
+            place = Placement(turn, np.array(transform.at, float))
+            yield Geometry(name, role, solid, place, density=density, mass=mass)
+
+
+def _axes(stage: _Stage, body: Any) -> tuple[Matrix, tuple[Fraction, ...]]:
+    """Return what takes directions in the stage to those along the axes of a link, in m, and where its origin lies.
+
+    The axes are those of its prim at unit length; where these are not at right angles, or left-handed, the nearest.
+    """
+    matrix, _ = stage.place(body)
+    lies, metres = stage.transforms.place(body), Fraction(repr(stage.metres))
+    if _is_askew(matrix) or np.linalg.det(matrix) <= 0:
+        turn: Matrix = tuple(tuple(Fraction(k) for k in row) for row in _rotation(matrix).T.tolist())
+    else:
+        turn = times(diagonal(map(_length, zip(*lies.linear, strict=True))), inverse(lies.linear))
+    return tuple(tuple(metres * k for k in row) for row in turn), lies.at
+
+
+def _length(column: Sequence[Fraction]) -> Fraction:
+    return root(dot(column, column))
 
 
 def _states_mass(stage: _Stage, body: Any) -> bool:
@@ -380,8 +405,8 @@ def _is_weighed_apart(stage: _Stage, prim: Any, body: str) -> bool:
     return stage.body_of(str(prim.GetPath())) == body
 
 
-def _mesh(stage: _Stage, prim: Any, matrix: Float, offset: Float) -> Part | str:
-    """Return a mesh in the axes of its link, in units of the stage, its polygons as fans of triangles."""
+def _mesh(stage: _Stage, prim: Any) -> Part | str:
+    """Return a mesh in its own axes, its polygons as fans of triangles."""
     mesh = stage.geometry.Mesh(prim)
     points = np.array(mesh.GetPointsAttr().Get(stage.time) or np.empty((0, 3)), float).reshape(-1, 3)
     counts = np.array(mesh.GetFaceVertexCountsAttr().Get(stage.time) or [], np.int64)
@@ -395,19 +420,23 @@ def _mesh(stage: _Stage, prim: Any, matrix: Float, offset: Float) -> Part | str:
     first = np.repeat(np.cumsum(counts) - counts, counts - 2)
     step = np.arange(len(first)) - np.repeat(np.cumsum(counts - 2) - (counts - 2), counts - 2)
     faces = np.column_stack([corners[first], corners[first + step + 1], corners[first + step + 2]])
-    left_handed = mesh.GetOrientationAttr().Get() == stage.geometry.Tokens.leftHanded
-    if left_handed != (np.linalg.det(matrix) < 0):
+    if mesh.GetOrientationAttr().Get() == stage.geometry.Tokens.leftHanded:
         faces = faces[:, ::-1]
-    return Part.from_arrays(points @ matrix.T + offset, faces, unit="m")
+    return Part.from_arrays(points, faces, unit="m")
 
 
-def _primitive(stage: _Stage, kind: str, prim: Any, matrix: Float) -> tuple[Float, Primitive | str]:
+def _primitive(stage: _Stage, kind: str, prim: Any, linear: Matrix) -> tuple[Float, Primitive | str]:
     """Return how a primitive is turned, and what it is; its transformation may scale it along its own axes."""
+    matrix = np.array(linear, float)
     if _is_askew(matrix):
         return np.eye(3), f"a {kind} that is sheared cannot be weighed"
-    x, y, z = (np.linalg.norm(matrix, axis=0) * stage.metres).tolist()
-    rotation = _rotation(matrix * np.sign(np.linalg.det(matrix)))  # all of them are their own mirror images
+    x, y, z = (float(_length(column)) for column in zip(*linear, strict=True))
     typed = getattr(stage.geometry, kind)(prim)
+    onto = np.array(_ONTO[typed.GetAxisAttr().Get() if hasattr(typed, "GetAxisAttr") else "Z"], float)
+    axes = matrix @ onto
+    if np.linalg.det(axes) < 0:
+        axes[:, 0] *= -1  # the shape is its own mirror image across its axis; along it a cone is not
+    rotation = _rotation(axes)
     if kind == "Cube":
         size = float(typed.GetSizeAttr().Get(stage.time))
         return rotation, Primitive("box", (size * x, size * y, size * z))
@@ -419,11 +448,10 @@ def _primitive(stage: _Stage, kind: str, prim: Any, matrix: Float) -> tuple[Floa
         if x == y == z:
             return rotation, Primitive("sphere", (radius * x,))
         return rotation, Primitive("ellipsoid", (radius * x, radius * y, radius * z))
-    onto = np.array(_ONTO[typed.GetAxisAttr().Get()], float)
     across, beside, along = (np.abs(onto.T) @ [x, y, z]).tolist()
     if abs(across - beside) > _SKEW * across or (kind.startswith("Capsule") and abs(across - along) > _SKEW * across):
         return rotation, f"a {kind} of different scale along its axes cannot be weighed"
     height = float(typed.GetHeightAttr().Get(stage.time))
     sizes = radius * across, height * along
     names: dict[str, Literal["cylinder", "capsule", "cone"]] = {"Cylinder": "cylinder", "Capsule": "capsule"}
-    return rotation @ onto, Primitive(names.get(kind.removesuffix("_1"), "cone"), sizes)
+    return rotation, Primitive(names.get(kind.removesuffix("_1"), "cone"), sizes)
