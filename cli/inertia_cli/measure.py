@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -86,6 +87,9 @@ def run(options: argparse.Namespace) -> int:
         lambda: measurement_document(result),
         lambda: measurement_text(result),
     )
+    for file in (options.report, options.cut_part):
+        if file is not None and result.balance is None:
+            print(f"inertia: {file} is not written: the readings do not bound the unbalance", file=sys.stderr)
     tell_what_is_not_cut(options.cut_part, result.balance)
     return _CODES[result.outcome]
 

@@ -188,7 +188,7 @@ def test_any_rotor_survives_a_round_trip(name: str, z: list, radius: float, angl
         ({"schema": 2}, "schema is 2: this version reads schema = 1"),
         ({"axis": {}}, "axis.bearing_a is missing: give the centres of both bearings, or journals"),
         ({"axis__bearing_b": None}, "axis.bearing_b is missing"),
-        ({"axis__bearing_b": [0, 0, 20]}, "axis.bearing_a and bearing_b are 0 m apart"),
+        ({"axis__bearing_b": [0, 0, 20]}, "axis.bearing_a and bearing_b are 0 mm apart"),
         ({"axis__journals": "detect"}, "axis.journals goes with no bearing_a"),
         ({"axis": {"journals": "find"}}, "axis.journals is 'find': use 'detect', or name two regions"),
         ({"axis": {"journals": ["a"]}}, "axis.journals names 1 regions: name two"),

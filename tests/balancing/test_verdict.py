@@ -126,6 +126,38 @@ class TestTheAxisTakenAsExact:
         assert not verdict.axis_exact
 
 
+class TestFigures:
+    """What a sentence says must not contradict its verdict."""
+
+    @pytest.mark.parametrize(
+        ("size", "says"),
+        [
+            (6.28000003, "6.28000003 g·mm against 6.28 g·mm: FAIL"),
+            (6.27999997, "6.27999997 g·mm against 6.28 g·mm: PASS"),
+            (6.2803, "6.2803 g·mm against 6.28 g·mm: FAIL"),
+            (6.289, "6.289 g·mm against 6.28 g·mm: FAIL"),
+            (6.28, "6.28 g·mm against 6.28 g·mm, equal to 15 digits: PASS"),
+        ],
+    )
+    def test_have_the_digits_that_tell_them_apart(self, size, says):
+        verdict = judge(Unbalance(1.0, 0.0, size * 1e-6, 0.0), tolerance(6.28e-6), PLANES)
+        assert verdict.why[0] == f"plane A: {says}"
+
+    def test_have_digits_of_their_own_beside_a_large_limit(self):
+        verdict = judge(residual(444, 0.1234, arithmetic=(1e-9, None)), tolerance(9.096e4), PLANES)
+        assert verdict.why == (
+            "plane A: 444 g·mm against 9.096e+10 g·mm: PASS",
+            "plane B: 0.1234 g·mm against 9.096e+10 g·mm: PASS",
+        )
+
+    def test_say_what_can_be_done_about_a_value_on_the_limit(self):
+        verdict = judge(residual(100, 0, arithmetic=(4e-11, None)), tolerance(), PLANES).planes[0]
+        assert verdict.outcome == "undecided"
+        assert "± 4e-11 g·mm against 100 g·mm" in verdict.why
+        assert "a little less unbalance, or another limit" in verdict.why
+        assert "exact arithmetic" not in verdict.why
+
+
 class TestUndecided:
     def test_names_the_sources_that_cover_the_limit(self):
         verdict = judge(residual(80, 0, axis=(25, 2e-5), density=(5, 0.01)), tolerance(), PLANES).planes[0]
@@ -169,10 +201,10 @@ class TestUndecided:
         mild = judge(residual(80, 0, axis=(19.5, 2e-5), tessellation=(17, 1e-5)), tolerance(), PLANES).planes[0]
         assert [set(k.needs) for k in mild.settlements] == [{"axis"}]
 
-    def test_asks_for_exact_arithmetic_where_that_is_what_lacks(self):
+    def test_asks_for_other_coordinates_where_rounding_covers_the_limit(self):
         verdict = judge(residual(99, 0, arithmetic=(3, None)), tolerance(), PLANES).planes[0]
         assert [k.needs for k in verdict.settlements] == [{"arithmetic": None}]
-        assert "exact arithmetic" in verdict.why
+        assert "coordinates counted from a point on the part" in verdict.why
 
     def test_a_value_on_the_limit_cannot_be_settled(self):
         verdict = judge(residual(0, 0, axis=(3, 1e-5)), tolerance(0.0), PLANES).planes[0]

@@ -285,7 +285,7 @@ def test_a_failure_names_what_binds(capsys: pytest.CaptureFixture[str]) -> None:
         (2, [*SHORT[:-1], "0"], "--grade is 0.0: it must be positive"),
         (2, ["--grades", "--rpm", "0"], "--rpm is 0: it must be positive"),
         (2, [*SHORT, "--rpm", "0"], "--rpm is 0.0: it must be positive"),
-        (2, [*SHORT, "--bearings", "20,20"], "--bearings are 0 m apart"),
+        (2, [*SHORT, "--bearings", "20,20"], "--bearings are 0 mm apart"),
         (2, [*SHORT, "--bearings", "20"], "--bearings names 1 places: give two"),
         (2, [*SHORT, "--bearings", "a,b"], "is no list of numbers"),
         (2, [*SHORT, "--axis", "0,0,0"], "--axis has no length"),

@@ -49,8 +49,8 @@ def test_angles_are_counter_clockwise_seen_from_b():
 @pytest.mark.parametrize(
     ("a", "b", "mark", "says"),
     [
-        ([1, 2, 3], [1, 2, 3], [1, 0, 0], r"0 m apart at \[1.0, 2.0, 3.0\] m.*two separate bearings"),
-        ([0, 0, 0], [0, 0, 0], [1, 0, 0], "0 m apart"),
+        ([1, 2, 3], [1, 2, 3], [1, 0, 0], r"0 mm apart at \(1000, 2000, 3000\) mm.*two separate bearings"),
+        ([0, 0, 0], [0, 0, 0], [1, 0, 0], "0 mm apart"),
         ([1e6, 0, 0], [1e6, 0, 1e-4], [1, 0, 0], "apart"),
         ([0, 0, 0], [0, 0, 1], [0, 0, -3], "zero_mark .* along the shaft.*across the shaft"),
         ([0, 0, 0], [0, 0, 1], [0, 0, 0], "zero_mark has no length"),

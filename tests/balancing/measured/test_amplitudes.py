@@ -39,6 +39,16 @@ def test_weights_on_one_line_leave_the_two_sides_of_it():
     assert sorted(round(cmath.phase(fit.unbalance), 9) for fit in fits) == [-0.4, 0.4]
 
 
+@pytest.mark.parametrize("unit", [1e-6, 1e-4, 1.0, 1e3])
+@pytest.mark.parametrize("sensitivity", [1e-3, 1.0, 1e7])
+def test_places_are_the_same_in_all_units(unit, sensitivity):
+    # Three weights at different angles leave one place, however small weights are beside amplitudes.
+    unbalance, weights = cmath.rect(6.0, math.radians(130)) * unit, np.array([0.0, *(5.0 * THIRDS)]) * unit
+    (only,) = amplitude_balance(sensitivity * np.abs(unbalance + weights), weights)
+    assert only.unbalance == pytest.approx(unbalance, rel=1e-9)
+    assert only.sensitivity == pytest.approx(sensitivity, rel=1e-9)
+
+
 def test_a_drawing_with_circles_agrees():
     # 8 g at 60° with 10 g at 0°, 120° and 240°, by the law of cosines: |8∠60° + 10∠0°|² = 64 + 100 + 80.
     sizes = [8.0, math.sqrt(64 + 100 + 80), math.sqrt(64 + 100 + 80), 2.0]

@@ -477,7 +477,9 @@ def test_uncertainty_of_one_plane_in_closed_form():
     table["uncertainty"] = EXACT
     table["sensor"][0]["floor"] = floor * math.sqrt(3.0)
     (plane,) = measure(Job.from_dict(table)).planes
-    assert 1e3 * plane.uncertainty == pytest.approx(floor * math.sqrt(5.0) / 5.0, rel=1e-3)
+    # A is uncertain by s √2 of 5, S: the interval of a quotient of 1 g is (2 s √5/5 + 4 S² · 1 g)/(1 − 4 S²) wide.
+    first, noise = floor * math.sqrt(5.0) / 5.0, (floor * math.sqrt(2.0) / 5.0) ** 2
+    assert 1e3 * plane.expanded == pytest.approx((2 * first + 4 * noise) / (1 - 4 * noise), rel=1e-4)
     assert plane.expanded == 2 * plane.uncertainty
 
 
@@ -522,3 +524,64 @@ def test_motion_in_time_gives_the_heavy_spot_where_it_is(angles, phase):
     (plane,) = measure(Job.from_dict(table)).planes
     assert 1e3 * abs(plane.unbalance) == pytest.approx(5.0, rel=1e-9)
     assert sense * math.degrees(cmath.phase(plane.unbalance)) % 360 == pytest.approx(70.0, abs=1e-7)
+
+
+def drilled(taken, after=(12.0, 60.0)):
+    table = machine_job([(700.0, 50.0, 0), (*after, 0)], uncertainty={}).to_dict()
+    table["run"][1]["weights"] = [{"plane": "I", "gmm": taken, "angle": 50.0, "stays": True}]
+    return measure(Job.from_dict(table))
+
+
+def test_a_slip_of_the_sign_on_a_balancing_machine_is_named():
+    # 700 g·mm less 690 leave 10 at 50°; 690 more would be 1390, not the 12 that are read.
+    (note,) = (note for note in drilled(690.0).notes if "contradict" in note)
+    assert "the runs contradict each other: I of run 0" in note
+    assert "what was taken away is negative" in note
+    assert not any("contradict" in note for note in drilled(-690.0).notes)
+    # 0.5 % and 0.5° of what was drilled leave 7 g·mm open, which is no contradiction either.
+    assert not any("contradict" in note for note in drilled(-690.0, (14.0, 90.0)).notes)
+
+
+def test_runs_without_phase_that_contradict_each_other_are_named():
+    for factor in (1.0, 1.3):
+        sizes = [abs(polar(6, 130) + weight) for weight in (0, 5, polar(5, 120), polar(5, 240), polar(3, 60))]
+        mounted = [(), (5, 0), (5, 120), (5, 240), (3, 60)]
+        runs = [
+            {
+                "id": str(k),
+                "weights": [{"plane": "I", "mass_g": one[0], "angle": one[1]}] if one else [],
+                "readings": [{"sensor": "A", "amplitude": size * (factor if k == 3 else 1.0)}],
+            }
+            for k, (size, one) in enumerate(zip(sizes, mounted, strict=True))
+        ]
+        table = {"method": "without phase", "rpm": 1500, "conventions": {"angles": "with rotation"}, "run": runs}
+        table |= {"sensor": [{"id": "A", "unit": "mm/s"}], "plane": [{"id": "I", "radius": 100}]}
+        result = measure(Job.from_dict(table))
+        assert any("contradict" in note for note in result.notes) == (factor != 1.0)
+        assert not any("two places" in note for note in result.notes)
+
+
+@pytest.mark.parametrize(("size", "words"), [(20.0002, "20.0002 ± 0 g·mm against 20 g·mm: FAIL"), (20.0, "PASS")])
+def test_figures_of_a_verdict_tell_the_two_apart(size, words):
+    assert words in measure(machine_job([(size, 0.0, 0)])).why[0]
+
+
+@pytest.mark.parametrize("dot", ["·", "⋅", ".", "*", "-"])
+def test_units_of_unbalance_come_as_keyboards_have_them(dot):
+    for unit, size in (("g", 10.0), ("oz", 10.0 / 720.0779)):
+        name = f"{unit}{dot}{'mm' if unit == 'g' else 'in'}"
+        job = machine_job([(size, 10.0, 0)], machine={"unit": name})
+        assert abs(measure(job).planes[0].unbalance) == pytest.approx(1e-5, rel=1e-6)
+        assert job.fields.machine.unit == name.replace(dot, "·")
+    with pytest.raises(UsageError, match=r"machine.unit is 'kg.m': use one of 'g·mm', 'oz·in'"):
+        machine_job([(10.0, 0.0, 0)], machine={"unit": "kg.m"})
+
+
+def test_a_kit_is_not_mounted_to_less_than_is_known():
+    # 4 g at 200° to be corrected within 2 g: two weights, where six opposed ones left 0.02 g.
+    kit = [{"mass_g": mass} for mass in (5, 2, 1)]
+    plane = {"id": "I", "radius": 100, "permissible_gmm": 200, "kit": kit, "positions": {"count": 8}}
+    job = machine_job([(400.0, 200.0, 0)], plane=[plane | {"most_per_position": 2}], machine={"floor": 80.0})
+    (found,) = measure(job).planes
+    assert sum(piece.pieces for piece in found.pieces) <= 2
+    assert 1e6 * abs(found.left) <= 100

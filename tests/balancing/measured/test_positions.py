@@ -146,6 +146,54 @@ def test_of_a_kit_no_choice_within_the_limit_is_nearer(
     assert abs(whole(pieces) - vector) <= nearest + 2e-5 * max(weight.mass for weight in kit)
 
 
+@settings(deadline=None, max_examples=60)
+@given(
+    st.integers(2, 5),
+    st.floats(0, 6.3),
+    st.lists(st.sampled_from([1.0, 2.0, 5.0]), min_size=1, max_size=2, unique=True),
+    st.integers(1, 2),
+    st.complex_numbers(min_magnitude=0.1, max_magnitude=9.0),
+    st.floats(0.05, 2.0),
+)
+def test_of_a_kit_no_fewer_weights_are_enough(
+    count: int, turn: float, sizes: list[float], most: int, vector: complex, enough: float
+) -> None:
+    """Against all choices there are."""
+    angles = [turn + 2 * math.pi * k / count for k in range(count)]
+    kit = [KitWeight(f"w{k}", size, None) for k, size in enumerate(sizes)]
+    at_one = [numbers for numbers in product(range(most + 1), repeat=len(kit)) if sum(numbers) <= most]
+    left: dict[int, float] = {}
+    for choice in product(at_one, repeat=count):
+        number = sum(map(sum, choice))
+        added = sum(
+            n * weight.mass * cmath.exp(1j * angle)
+            for numbers, angle in zip(choice, angles, strict=True)
+            for n, weight in zip(numbers, kit, strict=True)
+        )
+        left[number] = min(left.get(number, math.inf), abs(added - vector))
+    pieces = split_among(vector, angles, kit=kit, most_pieces=most, enough=enough)
+    some = [number for number in sorted(left) if left[number] <= enough]
+    if some:
+        assert sum(piece.pieces for piece in pieces) == some[0]
+        assert abs(whole(pieces) - vector) == pytest.approx(left[some[0]], abs=1e-9)
+    else:
+        assert abs(whole(pieces) - vector) <= min(left.values()) + 1e-4
+
+
+def test_two_weights_do_where_six_opposed_ones_leave_less() -> None:
+    vector, kit = cmath.rect(4.0, math.radians(20)), [KitWeight(f"{k} g", float(k), None) for k in (5, 2, 1)]
+    pieces = split_among(vector, degrees(*range(0, 360, 45)), kit=kit, most_pieces=2, enough=0.46)
+    assert sum(piece.pieces for piece in pieces) == 2
+    assert abs(whole(pieces) - vector) <= 0.35  # 2 g at 0° and 2 g at 45° leave that
+
+
+def test_stocks_and_the_limit_of_the_whole_are_kept_by_the_fewest_weights() -> None:
+    kit = [KitWeight("5", 5.0, 1), KitWeight("2", 2.0, None)]
+    pieces = split_among(10.0 + 0j, [0.0, math.pi], kit=kit, most_pieces=4, enough=1.5)
+    assert {piece.item: piece.pieces for piece in pieces} == {"5": 1, "2": 2}
+    assert whole(split_among(10.0 + 0j, [0.0], kit=kit, most_pieces=4, enough=3.5, most_in_all=8.0)).real == 7.0
+
+
 def test_masses_without_steps_reach_the_limit_of_the_whole() -> None:
     for places in (None, [0.0, 0.5, 3.0]):
         pieces = split_among(cmath.rect(11.0, 0.1), places, most_in_all=5.0)

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 from dataclasses import replace
+from pathlib import Path
 
 from inertia.balancing.balance import balance
 from inertia.balancing.rotor import Rotor
@@ -43,3 +44,64 @@ def test_a_rotor_that_nothing_is_done_to_has_the_same_state_before_and_after() -
     assert document["correction"] is None
     assert document["corrections"] == []
     assert document["residual"]["tolerance_planes"] == document["tolerance_planes"]
+
+
+INCHES = """
+unit = "in"
+[[body]]
+file = "two_disc_rotor.stl"
+unit = "mm"
+density = "7850±50"
+[axis]
+bearing_a = [0, 0, 0.78740157480315]
+bearing_b = [0, 0, 11.0236220472441]
+[service]
+rpm = 3000
+[tolerance]
+grade = 6.3
+[[plane]]
+id = "I"
+z = 3.54330708661417
+method = "drill_radial"
+diameters = [0.375, 0.5]
+[[plane]]
+id = "II"
+z = 8.46456692913386
+method = "drill_radial"
+diameters = [0.5, 0.625]
+"""
+
+
+def test_a_rotor_in_inches_is_reported_in_millimetres_without_the_noise_of_the_conversion(tmp_path: Path) -> None:
+    (tmp_path / "two_disc_rotor.stl").write_bytes(path("two_disc_rotor.stl").read_bytes())
+    (tmp_path / "rotor.toml").write_text(INCHES, encoding="utf-8")
+    data = report_data(balance(Rotor.load(tmp_path / "rotor.toml")))
+    document = balance_document(data)
+    work = document["corrections"]
+    assert work
+    lengths = ("z_mm", "radius_mm", "depth_mm", "tool_diameter_mm", "angle_deg", "machine_angle_deg", "point_angle_deg")
+    figures = [each[name] for each in work for name in (*lengths, "remaining_wall_mm", "mass_g")]
+    figures += [each["z_mm"] for name in ("tolerance_planes", "correction_planes") for each in document[name]]
+    figures += [*document["axis"]["bearing_a_mm"], *document["axis"]["bearing_b_mm"]]
+    assert [k for k in figures if len(repr(k).replace(".", "").lstrip("0")) > 13] == []  # twelve and a last zero
+    assert {each["point_angle_deg"] for each in work} == {118.0}
+    assert {each["tool_diameter_mm"] for each in work} <= {9.525, 12.7, 15.875}
+    rows = list(csv.reader(io.StringIO(balance_csv(data).split("\n\n")[1])))
+    assert [float(row[rows[0].index("angle_deg")]) for row in rows[1:]] == [each["angle_deg"] for each in work]
+    notes = [note for note in data.notes if "miss it by up to" in note]
+    assert notes
+    assert all(f"up to {data.bodies[0].chord:.3g} mm" in note for note in notes)
+
+
+def test_what_is_uncertain_of_a_weight_is_said_beside_it(tmp_path: Path) -> None:
+    (tmp_path / "two_disc_rotor.stl").write_bytes(path("two_disc_rotor.stl").read_bytes())
+    for says, text, cell in (
+        ('density = "7850±785"', "7850 ± 785 kg/m³ as given", "<td>7850 ± 785</td>"),
+        ('mass = "11.014±0.03"', "11.014 ± 0.03 kg,", "<td>11.014 ± 0.03</td>"),
+        ("density = 7850", "kg, 7850 kg/m³ as given", "<td>7850</td>"),
+    ):
+        (tmp_path / "rotor.toml").write_text(INCHES.replace('density = "7850±50"', says), encoding="utf-8")
+        rotor = Rotor.load(tmp_path / "rotor.toml")
+        data = report_data(balance(Rotor.from_dict(rotor.to_dict() | {"plane": []}, rotor.folder)))
+        assert text in " ".join(balance_text(data).split())
+        assert cell in balance_html(data)

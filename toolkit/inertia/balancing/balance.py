@@ -6,7 +6,7 @@ Angles, signs and frames are those of `inertia.balancing.unbalance`.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import reduce
 from operator import add
@@ -36,6 +36,7 @@ from inertia.balancing.mounting import joint_terms, mounting_terms
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.rotor_bodies import (
     RotorBody,
+    density_uncertainties,
     in_unit,
     outer_radius,
     outline,
@@ -49,6 +50,7 @@ from inertia.balancing.unbalance import Unbalance
 from inertia.balancing.verdict import Verdict, count_the_shop, judge
 from inertia.errors import GeometryError, UsageError, placed, require_kind
 from inertia.mass.properties import MassProperties
+from inertia.mesh.part import Part
 from inertia.records import dataclass
 
 if TYPE_CHECKING:
@@ -59,7 +61,10 @@ _LOWER = (1.0, 0.4, 0.1)  # of what is asked for, aimed at while the shop's work
 _DEEPER = (0.5, 0.95)  # of the greatest depth, of arcs, for the same
 _LOOKED_AT = 360  # angles at which a face is looked for
 _LEAST_TIME = 0.1  # of the time, for each of them
+_WEIGHTS = ("add", "remove", "kit")  # methods whose masses are weighed
 _ROUNDED = 1e-6  # of a place along the shaft: what float32 leaves of it, as in STL
+
+_Complete = Callable[[Unbalance, Sequence[Part] | None], Unbalance]
 
 
 @dataclass(frozen=True)
@@ -259,10 +264,18 @@ def balance(
     else:
         properties = assembled.properties
     together = Unbalance.of(properties, shaft, radial_uncertainty=rotor.radial_uncertainty)
-    initial = unbalance_of(rotor, bodies, shaft, together) if measured is None else _as_measured(together, measured)
-    if assembled is not None and not measured:
-        known = assembled.uncertainty(shaft, initial.z)
-        initial = initial.with_uncertainties(known) if known.modes else initial
+    modelled = unbalance_of(bodies, shaft, together.with_masses(() if measured else rotor.key_masses))
+    if assembled is not None:
+        known = assembled.uncertainty(shaft, modelled.z)
+        modelled = modelled.with_uncertainties(known) if known.modes else modelled
+    given = modelled if measured is None else _as_measured(modelled, measured)
+
+    def complete(unbalance: Unbalance, cut: Sequence[Part] | None) -> Unbalance:
+        """Add what densities leave uncertain."""
+        more = density_uncertainties(rotor, bodies, shaft, unbalance.z, cut=cut, measured=measured is not None)
+        return unbalance.with_uncertainties(*more)
+
+    initial = complete(given, None)
     tell(0.5)
     tolerance = rotor.tolerance(initial, at)
     critical = rotor.fields.service.critical_rpm
@@ -276,9 +289,9 @@ def balance(
     else:
         mounted = joint_terms(assembled.joints(), shaft, at)
     uncut = together if assembled is None else None  # an assembly's moments are not those of its triangles
-    correction = _corrected(rotor, bodies, shaft, initial, uncut, planes, tolerance, mounted)
+    correction = _corrected(rotor, bodies, shaft, given, complete, uncut, planes, tolerance, mounted)
     tell(0.9)
-    residual = initial if correction is None else _residual(correction, bodies)
+    residual = initial if correction is None else _residual(correction, bodies, complete)
     exact = None if rotor.radial_uncertainty or measured else bounds.axis(shaft.resolve(properties), shaft.span, 1.0)
     initial_verdict = _judged(initial, tolerance, axis, rigid, exact)
     verdict = initial_verdict if correction is None else _judged(residual, tolerance, axis, rigid, exact)
@@ -353,9 +366,9 @@ def _indexed(indexing: Indexing | None) -> Iterator[str]:
     )
 
 
-def _residual(correction: Correction, bodies: Sequence[RotorBody]) -> Unbalance:
+def _residual(correction: Correction, bodies: Sequence[RotorBody], complete: _Complete) -> Unbalance:
     """Return what a correction leaves, with what its tools may have taken of the surface over the facets."""
-    residual = correction.residual
+    residual = complete(correction.residual, correction.parts)
     layer = max(body.density * body.chord for body in bodies)
     more = surface_cut_away(correction.operations, layer, residual.z)
     return residual if more is None else residual.with_uncertainties(more)
@@ -369,8 +382,12 @@ def _binding(correction: Correction | None) -> str:
 
 
 def _as_measured(modelled: Unbalance, measured: Sequence[tuple[float, complex, float]]) -> Unbalance:
-    """Return the unbalance that a machine showed, on the mass and the centre of mass of the meshes."""
-    bare = replace(modelled, static=0j, couple=0j, uncertainties=())
+    """Return the unbalance that a machine showed, on the mass and the centre of mass of the meshes.
+
+    Arithmetic and axis are nothing beside it; what else leaves the mass uncertain, which limits may follow, stays.
+    """
+    masses = (k.of_mass_alone for k in modelled.uncertainties if k.source in ("tessellation", "input") and k.masses)
+    bare = replace(modelled, static=0j, couple=0j, uncertainties=tuple(masses))
     shown = bare.with_vectors([(z, vector) for z, vector, _ in measured])
     modes = tuple((complex(off), off * (z - modelled.z)) for z, _, off in measured)
     return shown.with_uncertainties(Uncertainty("measurement", modes))
@@ -405,17 +422,21 @@ def _corrected(
     rotor: Rotor,
     bodies: Sequence[RotorBody],
     shaft: Shaft,
-    initial: Unbalance,
+    given: Unbalance,
+    complete: _Complete,
     uncut: Unbalance | None,
     planes: Sequence[CorrectionPlane],
     tolerance: Tolerance,
     mounted: Sequence[Term],
 ) -> Correction | None:
-    """Return the correction with the fewest operations for which enough parts are within tolerance as made."""
+    """Return the correction with the fewest operations for which enough parts are within tolerance as made.
+
+    The unbalance is given without what densities leave uncertain, which depends on what is cut of which body.
+    """
     if not planes:
         return None
     parts, densities, at = [body.part for body in bodies], [body.density for body in bodies], (shaft.z_a, shaft.z_b)
-    limit, asked, best, most = _aim(initial, tolerance, at), rotor.fields.plan, None, -1.0
+    limit, asked, best, most = _aim(complete(given, None), planes, tolerance, at), rotor.fields.plan, None, -1.0
     aim = 0.0 if asked.aim == "least" else asked.aim
     until = thread_time() + asked.time
     attempts = [(lower, 0.0) for lower in _LOWER]
@@ -428,7 +449,7 @@ def _corrected(
                 parts,
                 densities,
                 shaft,
-                initial,
+                given,
                 [_no_shallower(plane, deeper) for plane in planes],
                 limit,
                 uncut=uncut,
@@ -439,7 +460,8 @@ def _corrected(
             if best is not None and deeper:
                 continue
             raise placed(error, rotor.name) from None
-        within = _scatter(rotor, _residual(tried, bodies), tried.operations, tolerance, at, mounted).within or 0.0
+        left = _residual(tried, bodies, complete)
+        within = _scatter(rotor, left, tried.operations, tolerance, at, mounted).within or 0.0
         if within > most:
             best, most = tried, within
         if not tried.operations or thread_time() > until or within >= rotor.fields.uncertainty.confidence:
@@ -467,21 +489,28 @@ def _scatter(
     at: Planes,
     mounted: Sequence[Term],
 ) -> Scatter:
-    settings = rotor.fields.uncertainty
+    settings, law = rotor.fields.uncertainty, tolerance.law
     return monte_carlo(
         residual.in_many_planes(at),
-        (*rotor_terms(residual, at), *mounted, *operation_terms(operations, residual, at, rotor.shop)),
+        (*rotor_terms(residual, at, tolerance), *mounted, *operation_terms(operations, residual, at, rotor.shop)),
         permissible=tolerance.permissible,
+        follows=None if law is None else lambda mass, moment: law.permissible(mass, moment, residual.z),
         confidence=settings.confidence,
         draws=settings.draws,
         seed=settings.seed,
     )
 
 
-def _aim(initial: Unbalance, tolerance: Tolerance, at: Planes) -> Tolerance:
-    """Return what a correction aims at so that it passes: the tolerance less what is uncertain, if that leaves any."""
-    bounds = (math.fsum(k.values()) for k in initial.bounds_in_planes(at))
-    a, b = (limit - bound for limit, bound in zip(tolerance.permissible, bounds, strict=True))
+def _aim(initial: Unbalance, planes: Sequence[CorrectionPlane], tolerance: Tolerance, at: Planes) -> Tolerance:
+    """Return what a correction aims at so that it passes: the tolerance less what is uncertain, if that leaves any.
+
+    What is cut is in proportion to densities as the unbalance is, what is added is not.
+    """
+    sizes, limits = np.abs(initial.in_planes(*at)), np.array(tolerance.permissible)
+    bounds = np.array([math.fsum(k.values()) for k in tolerance.bounds(initial, at)])
+    if (sizes + bounds > limits).any() and any(plane.method in _WEIGHTS for plane in planes):
+        bounds = np.maximum(bounds, [math.fsum(k.values()) for k in initial.bounds_in_planes(at)])
+    a, b = (limits - bounds).tolist()
     return replace(tolerance, permissible=(a, b)) if min(a, b) > 0 else tolerance
 
 
@@ -529,11 +558,11 @@ def _require_places(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft) -> 
             )
 
 
-def _facet_notes(rotor: Rotor, body: RotorBody) -> Iterator[str]:
+def _facet_notes(body: RotorBody) -> Iterator[str]:
     """Yield what the verdict takes for granted of the facets of a body, and what of the file it does not believe."""
     if body.chord_from == "shape" or not body.chord:
         return
-    sag = f"{body.layers.sag / float(rotor.unit.metres):.3g} {rotor.unit.name}"
+    sag = f"{1e3 * body.layers.sag:.3g} mm"
     if body.chord_from == "mesh":
         yield (
             f"{body.name}: chord_tolerance is less than the {sag} by which its facets miss the surfaces that they "
@@ -564,7 +593,7 @@ def _notes(rotor: Rotor, bodies: Sequence[RotorBody], measured: bool) -> list[st
     ]
     notes += [f"{body.name}: {note}" for body in bodies for note in body.analysis.notes]
     if not measured:  # of a measured rotor the facets tell nothing
-        notes += [note for body in bodies for note in _facet_notes(rotor, body)]
+        notes += [note for body in bodies for note in _facet_notes(body)]
     if not rotor.radial_uncertainty and not measured:
         notes.append("the axis is taken as exact, as no radial_uncertainty is given")
     if rotor.fields.service.critical_rpm is None:

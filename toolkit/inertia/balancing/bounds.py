@@ -3,6 +3,9 @@
 A source moves the static unbalance U and the couple D about a fixed plane together: (δU, δD) = Σ ζₖ (gₖ, hₖ) with
 complex |ζₖ| ≤ 1. What a correction or tolerance plane sees is p U + q D with real p and q, so it is off by at most
 Σ |p gₖ + q hₖ|: nothing is lost by bounding U and D apart.
+
+The same ζₖ move the mass m of the rotor and its first moment S along the shaft, which limits may follow (U_per = e m):
+(δm, δS) = Σ Re ζₖ (mₖ, sₖ). Of a body whose density is uncertain, unbalance and limit grow together.
 """
 
 from __future__ import annotations
@@ -24,7 +27,10 @@ from inertia.records import dataclass
 Source = Literal["arithmetic", "tessellation", "axis", "density", "measurement", "input"]
 
 _COVERAGE = 2.0  # the factor k of the expanded uncertainty U = k u (GUM 6.2.1) that counts as a bound
-_NOTHING = 1e-9  # of the largest mode
+_NO_MODE = 1e-7  # of the largest: the root of what rounding leaves of a covariance
+_NOTHING = 1e-9  # of a change and of that of its limit
+_PER_SPAN = 1e-4  # of the bearings' distance: about what limits are per kg, so that no mode outweighs the others
+_NO_MASS = (0.0, 0.0)
 _ROUNDOFF = 2.0**-53
 
 
@@ -41,22 +47,46 @@ class Uncertainty:
         None where no input makes it smaller
     bodies : of a rotor with several, those that it is of: for a density one for each mode; of the source "input" the
         input's name, or that of each mode
+    masses : pairs (m, s): what each mode does to the mass, kg, and to its first moment along the shaft about the plane
+        of the couple, kg m; empty where it does nothing to them
     """
 
     source: Source
     modes: tuple[tuple[complex, complex], ...]
     cause: float | None = None
     bodies: tuple[str, ...] = ()
+    masses: tuple[tuple[float, float], ...] = ()
 
-    def bound(self, p: float, q: float) -> float:
-        """Return how far p U + q D may be off, with p a number and q in 1/m: kg m; of an input, two deviations."""
+    def bound(self, p: float, q: float, share: complex = 0.0, rates: tuple[float, float] = (0.0, 0.0)) -> float:
+        """Return how far p U + q D − share · limit may be off, kg m; of an input, two standard deviations.
+
+        Parameters
+        ----------
+        p, q : a number, and 1/m
+        share : of the limit, as a vector, that p U + q D is
+        rates : what the limit changes by with the mass, m, and with its first moment, a number
+        """
+        masses = self.masses or ((0.0, 0.0),) * len(self.modes)
+        each = (
+            _apart(p * g + q * h, share * (rates[0] * m + rates[1] * s))
+            for (g, h), (m, s) in zip(self.modes, masses, strict=True)
+        )
         if self.source == "input":
-            return _COVERAGE * math.sqrt(math.fsum(abs(p * g + q * h) ** 2 for g, h in self.modes))
-        return math.fsum(abs(p * g + q * h) for g, h in self.modes)
+            return _COVERAGE * math.sqrt(math.fsum(k**2 for k in each))
+        return math.fsum(each)
 
     def about(self, shift: float) -> Uncertainty:
         """Return the same source for the couple about a plane that lies `shift` metres further along the shaft."""
-        return replace(self, modes=tuple((g, h - g * shift) for g, h in self.modes))
+        return replace(
+            self,
+            modes=tuple((g, h - g * shift) for g, h in self.modes),
+            masses=tuple((m, s - m * shift) for m, s in self.masses),
+        )
+
+    @property
+    def of_mass_alone(self) -> Uncertainty:
+        """The same source where the unbalance is known without it, as one that a machine showed."""
+        return replace(self, modes=((0j, 0j),) * len(self.modes))
 
     def turned(self, factor: complex) -> Uncertainty:
         """Return the same source with the rotor turned by the angle of `factor`, which has unit length."""
@@ -81,7 +111,10 @@ def from_errors(source: Source, body: MassProperties, error: ErrorBound, cause: 
     off = error.center_of_mass
     static = heaviest * off + body.mass * error.mass * eccentricity
     couple = error.inertia * _norm(body) + heaviest * (eccentricity + off) * off
-    return Uncertainty(source, ((static, 0.0), (0.0, couple)), cause)
+    modes = ((static, 0.0), (0.0, couple), (0.0, 0.0), (0.0, 0.0))
+    return Uncertainty(
+        source, modes, cause, masses=(_NO_MASS, _NO_MASS, (body.mass * error.mass, 0.0), (0.0, heaviest * off))
+    )
 
 
 def arithmetic(body: MassProperties) -> Uncertainty:
@@ -92,7 +125,7 @@ def arithmetic(body: MassProperties) -> Uncertainty:
     summed = from_errors("arithmetic", body, body.error)
     tilt = 8.0 * _ROUNDOFF
     rounded = (tilt * body.mass * math.hypot(*body.center_of_mass), 0.0), (0.0, tilt * _norm(body))
-    return Uncertainty("arithmetic", (*summed.modes, *rounded))
+    return Uncertainty("arithmetic", (*summed.modes, *rounded), masses=(*summed.masses, _NO_MASS, _NO_MASS))
 
 
 def axis(body: MassProperties, span: float, radius: float) -> Uncertainty:
@@ -124,23 +157,32 @@ def axis(body: MassProperties, span: float, radius: float) -> Uncertainty:
     )
 
 
-def density(bodies: Iterable[tuple[complex, complex]], relative: float) -> Uncertainty:
+def density(
+    bodies: Iterable[tuple[complex, complex]], relative: float, masses: Iterable[tuple[float, float]] = ()
+) -> Uncertainty:
     """Return what densities leave uncertain that are each known to a relative figure, apart from each other.
 
     Parameters
     ----------
     bodies : (static kg m, couple kg m² about the common plane) of each body
     relative : of each density
+    masses : (mass kg, its first moment kg m about the common plane) of each body, where limits may follow them
     """
     if not 0 <= relative < 1:
         raise UsageError(f"the relative uncertainty of the density is {relative!r}: it must be at least 0 and below 1")
-    return Uncertainty("density", tuple((relative * u, relative * d) for u, d in bodies), relative)
+    return Uncertainty(
+        "density",
+        tuple((relative * u, relative * d) for u, d in bodies),
+        relative,
+        masses=tuple((relative * m, relative * s) for m, s in masses),
+    )
 
 
 def propagated(name: str, covariance: Float, properties: MassProperties, shaft: Shaft, z: float) -> Uncertainty:
     """Return what an uncertain input of a body leaves uncertain of the unbalance: law of propagation, GUM 5.2.2.
 
-    δU = δm u + m δu with u = x + i y, and δD = −(δI_xz + i δI_yz) + δU (z_G − z) + m u δz_G about the plane z.
+    δU = δm u + m δu with u = x + i y, and δD = −(δI_xz + i δI_yz) + δU (z_G − z) + m u δz_G about the plane z; and
+    δS = δm (z_G − z) + m δz_G.
 
     Parameters
     ----------
@@ -157,14 +199,24 @@ def propagated(name: str, covariance: Float, properties: MassProperties, shaft: 
     static = place * np.eye(11)[1] + moved[:2]
     couple = static * (height - z) + place * moved[2]
     couple[:, 5:] -= principal_elements(shaft.axes)[[4, 3]]  # xz and yz
-    rows = np.concatenate([static, couple / shaft.span])
+    weight = np.eye(11)[1]
+    along = [shaft.span * weight, weight * (height - z) + moved[2]]
+    rows = np.concatenate([static, couple / shaft.span, _PER_SPAN * np.array(along)])
     values, vectors = np.linalg.eigh(rows @ covariance @ rows.T)
     modes = (np.sqrt(np.maximum(values, 0.0)) * vectors).T
-    pairs = (
-        (complex(a, b), shaft.span * complex(c, d))
-        for a, b, c, d in modes[np.abs(modes).max(axis=1) > _NOTHING * np.abs(modes).max()].tolist()
+    modes = modes[np.abs(modes).max(axis=1) > _NO_MODE * np.abs(modes).max()]
+    return Uncertainty(
+        "input",
+        tuple((complex(a, b), shaft.span * complex(c, d)) for a, b, c, d in modes[:, :4].tolist()),
+        bodies=(name,),
+        masses=tuple((m / (_PER_SPAN * shaft.span), s / _PER_SPAN) for m, s in modes[:, 4:].tolist()),
     )
-    return Uncertainty("input", tuple(pairs), bodies=(name,))
+
+
+def _apart(vector: complex, follows: complex) -> float:
+    """Return how far a change of the vector is from that of its limit; 0 for what rounding leaves of equal ones."""
+    apart = abs(vector - follows)
+    return apart if apart > _NOTHING * (abs(vector) + abs(follows)) else 0.0
 
 
 def _norm(body: MassProperties) -> float:

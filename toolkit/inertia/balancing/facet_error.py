@@ -39,7 +39,8 @@ _A, _B = (6.0 - math.sqrt(15.0)) / 21.0, (6.0 + math.sqrt(15.0)) / 21.0
 _POINTS = np.array([[1 / 3, 1 / 3, 1 / 3], *(np.roll([1.0 - 2.0 * x, x, x], k) for x in (_A, _B) for k in range(3))])
 _WEIGHTS = np.array([9 / 40, *[(155.0 - math.sqrt(15.0)) / 1200.0] * 3, *[(155.0 + math.sqrt(15.0)) / 1200.0] * 3])
 
-Mode = tuple[complex, complex]
+Mode = tuple[complex, complex, float, float]
+"""Changes of U, kg m, D, kg m², the mass, kg, and its first moment, kg m: see `inertia.balancing.bounds`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,7 +191,7 @@ class FacetLayers:
         return heights
 
     def modes(self, density: float, shaft: Shaft, z: float) -> tuple[Mode, ...]:
-        """Return what the layers on cones can do to the static unbalance, kg m, and to the couple about z, kg m².
+        """Return what the layers on cones can do to unbalance and mass, couple and first moment about the plane z.
 
         Parameters
         ----------
@@ -202,7 +203,7 @@ class FacetLayers:
             return ()
         mesh = self.mesh
         known = np.flatnonzero(self.label >= 0)
-        layers, higher, remainder = np.zeros(2, complex), np.zeros(2, complex), self._slivers(shaft, z)
+        layers, higher, remainder = np.zeros(4, complex), np.zeros(4, complex), self._slivers(shaft, z)
         for start in range(0, len(known), _CHUNK):
             triangles = known[start : start + _CHUNK]
             points = np.einsum("pc,kci->kpi", _POINTS, mesh.vertices[mesh.faces[triangles]])
@@ -210,21 +211,25 @@ class FacetLayers:
             middles = shaft.to_shaft(points + 0.5 * thick[..., np.newaxis] * facing[:, np.newaxis])
             w = middles[..., 0] + 1j * middles[..., 1]
             area = mesh.areas[triangles] * np.einsum("ij,ij->i", mesh.normals[triangles], facing)
-            moment = thick * w * _WEIGHTS * area[:, np.newaxis]
-            each = np.stack([moment.sum(axis=1), (moment * (middles[..., 2] - z)).sum(axis=1)])
+            volume, along = thick * _WEIGHTS * area[:, np.newaxis], middles[..., 2] - z
+            each = np.stack([(volume * k).sum(axis=1) for k in (w, w * along, np.ones_like(along), along)])
             square = self._spans[triangles] ** 2
             layers += each.sum(axis=1)
             higher += (each * square).sum(axis=1)
             remainder += (np.abs(each) * square**2).sum(axis=1) / 64.0
         points = shaft.to_shaft(mesh.vertices) - [0.0, 0.0, z]
-        listed = [layers, higher / 64.0, np.array([remainder[0], 0.0]), np.array([0.0, remainder[1]])]
+        listed = [layers, higher / 64.0, *np.diag(remainder)]
         listed += self._profiles(points)
         listed += self._rounding(points)
-        return tuple((complex(density * u), complex(density * d)) for u, d in listed if u or d)
+        return tuple(
+            (complex(density * u), complex(density * d), float(density * m.real), float(density * s.real))
+            for u, d, m, s in listed
+            if u or d or m or s
+        )
 
     def _slivers(self, shaft: Shaft, z: float) -> Float:
-        """Return what may lie between the layers of two surfaces that meet, neither across the other's axis, (2,)."""
-        mesh, total = self.mesh, np.zeros(2)
+        """Return what may lie between the layers of two surfaces that meet, neither across the other's axis, (4,)."""
+        mesh, total = self.mesh, np.zeros(4)
         sides = self.label[mesh.pairs]
         border = np.flatnonzero((sides[:, 0] != sides[:, 1]) & ~mesh.flat)
         ends = mesh.vertices[mesh.ends[border]]
@@ -242,8 +247,9 @@ class FacetLayers:
             askew = np.where(
                 thick[1 - side] > 0, np.linalg.norm(np.cross(facing[side], facing[1 - side]), axis=1), across
             )
-            sliver = thick[side] * np.maximum(thick[side], thick[1 - side]) * length * askew * arm
-            total += [float(sliver.sum()), float((sliver * np.abs(middle[:, 2] - z)).sum())]
+            sliver = thick[side] * np.maximum(thick[side], thick[1 - side]) * length * askew
+            away = np.abs(middle[:, 2] - z)
+            total += [float((sliver * k).sum()) for k in (arm, arm * away, np.ones_like(away), away)]
         return total
 
     @cached_property
@@ -265,16 +271,16 @@ class FacetLayers:
         return spans
 
     def _moments(self, points: Float, edges: Int, side: int, thickness: Float) -> Float:
-        """Return ∫ 4 λₐ λ_b t w dA and ∫ 4 λₐ λ_b t w z dA over a triangle at each edge, (2, k)."""
+        """Return ∫ 4 λₐ λ_b t f dA over a triangle at each edge for f = w, w z, 1 and z, (4, k)."""
         mesh = self.mesh
         a, b = mesh.ends[edges].T
         c = mesh.opposite[edges, side]
         w, z = points[:, 0] + 1j * points[:, 1], points[:, 2]
         layer = thickness * mesh.areas[mesh.pairs[edges, side]]
-        first = layer * (2.0 * (w[a] + w[b]) + w[c]) / 15.0
+        first, along = (layer * (2.0 * (x[a] + x[b]) + x[c]) / 15.0 for x in (w, z))
         second = 6.0 * (w[a] * z[a] + w[b] * z[b]) + 4.0 * (w[a] * z[b] + w[b] * z[a])
         second += 2.0 * ((w[a] + w[b]) * z[c] + w[c] * (z[a] + z[b] + z[c]))
-        return np.stack([first, layer * second / 90.0])
+        return np.stack([first, layer * second / 90.0, layer / 3.0, along])
 
     def _profiles(self, points: Float) -> list[Float]:
         """Return what the sag of each cone along its generators does."""
@@ -282,14 +288,14 @@ class FacetLayers:
         if not sag.any():
             return []
         length = self._lengths
-        total = np.zeros((2, len(self.cones)), complex)
+        total = np.zeros((4, len(self.cones)), complex)
         for side in (0, 1):
             number = self.label[mesh.pairs[:, side]]
             edges = np.flatnonzero((number >= 0) & (sag[number] != 0))
             number = number[edges]
             share = np.minimum(1.0, self._climbs(edges, side) / length[number]) ** 2
             moments = self._moments(points, edges, side, sag[number] * share)
-            for k in (0, 1):
+            for k in range(4):
                 np.add.at(total[k], number, moments[k])
         return [k for k in total.T if k.any()]
 
@@ -307,6 +313,6 @@ class FacetLayers:
         each = [k.rms for k in self.cones]
         rms = np.array([*each, max(each)])[self.label]
         weight = np.bincount(mesh.faces.ravel(), np.repeat(mesh.areas * rms / 3.0, 3), len(points))
-        first = weight * np.hypot(points[:, 0], points[:, 1])
-        static, couple = (float(np.linalg.norm(k)) for k in (first, first * points[:, 2]))
-        return [_SIGMAS * np.array([static, 0.0]), _SIGMAS * np.array([0.0, couple])]
+        arm, along = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
+        each_moves = (weight * k for k in (arm, arm * along, np.ones_like(arm), along))
+        return [*np.diag([_SIGMAS * float(np.linalg.norm(k)) for k in each_moves])]

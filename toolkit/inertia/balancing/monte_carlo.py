@@ -2,12 +2,14 @@
 
 The unbalance in a plane is affine in the densities and, to first order, in the axis, the depths, the angles and the
 diameters: Uₖ = U⁰ₖ + Σ sₖⱼ ξⱼ. A draw is then a sum of products, and the sensitivities say what to hold tightest.
+Limits that follow the mass are drawn with it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from operator import itemgetter
 from typing import Literal
 
@@ -31,6 +33,7 @@ _VARIANCE: dict[Distribution, float] = {"normal": 1.0, "uniform": 1.0 / 3.0, "di
 _NORMAL_95 = 1.959963984540054
 _NORMAL_999 = 3.2905267314919255
 _MOST_DRAWS = 1_000_000
+_ROUNDED = 1e-9  # of a limit and of what grows with it: where both are in proportion, each draw is as the next
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +49,7 @@ class Term:
     sensitivities : (k,) kg·m in each plane per unit of ξ
     step : the change of ξ that the table states the effect of, in SI
     step_text : the same as the shop says it: "0.1 mm"
+    mass : (kg, kg m) that the rotor's mass and its first moment along the shaft change by per unit of ξ, a real one
     """
 
     name: str
@@ -54,6 +58,7 @@ class Term:
     sensitivities: Complex
     step: float
     step_text: str
+    mass: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         if self.distribution not in _VARIANCE:
@@ -91,8 +96,8 @@ class Sensitivity:
     ----------
     name : what is uncertain
     step_text : the step that `per_step` is for
-    per_step : (k,) kg·m in each plane
-    at_spread : (k,) kg·m in each plane for the input's whole half-width, radius or standard deviation
+    per_step : (k,) kg·m in each plane; beside the limit, where that follows the mass
+    at_spread : (k,) kg·m in each plane for the input's whole half-width, radius or standard deviation, beside the limit
     share : (k,) of the variance in each plane
     """
 
@@ -147,6 +152,7 @@ def monte_carlo(
     terms: Sequence[Term],
     *,
     permissible: ArrayLike | None = None,
+    follows: Callable[[Float, Float], Float] | None = None,
     confidence: float = LEVEL,
     draws: int = DRAWS,
     seed: int = 0,
@@ -162,6 +168,8 @@ def monte_carlo(
     nominal : (k,) kg·m, in each plane
     terms : the uncertain inputs, independent of each other
     permissible : (k,) kg·m
+    follows : how they follow the mass: takes changes (n,) kg of the mass and (n,) kg m of its first moment along the
+        shaft, returns limits (k, n) kg m; they stay without it
     confidence : the share that is asked to be within it
     draws : 100 or more
     seed : of the generator (PCG64); the same seed gives the same draws
@@ -186,8 +194,8 @@ def monte_carlo(
         raise UsageError(f"the confidence is {confidence!r}: it must be above 0 and below 1")
     limits = None if permissible is None else array_of(permissible, start.shape, "permissible")
     while True:
-        size = _sizes(start, terms, draws, seed)
-        within = None if limits is None else float((size <= limits[:, None]).all(axis=0).mean())
+        size, drawn = _drawn(start, limits, follows, terms, draws, seed)
+        within = None if drawn is None else float((size <= drawn).all(axis=0).mean())
         within_range = None if within is None else _wilson(within, draws)
         if within_range is None or 4 * draws > _MOST_DRAWS:
             break
@@ -197,21 +205,48 @@ def monte_carlo(
     size.sort(axis=1)
     middle, reach = LEVEL * draws, _NORMAL_95 * math.sqrt(LEVEL * (1.0 - LEVEL) * draws)
     ranks = [max(0, math.floor(middle - reach)), math.ceil(middle) - 1, min(draws - 1, math.ceil(middle + reach))]
-    table = _table(terms, np.ones(len(start)) if limits is None else limits)
+    beside = terms if limits is None or follows is None else [_beside(term, start, limits, follows) for term in terms]
+    table = _table(beside, np.ones(len(start)) if limits is None else limits)
     low, high = size[:, ranks[0]], size[:, ranks[2]]
     return Scatter(
         draws, start, size[:, ranks[1]], np.column_stack([low, high]), within, within_range, confidence, table
     )
 
 
-def _sizes(start: Complex, terms: Sequence[Term], draws: int, seed: int) -> Float:
-    """Return the magnitudes drawn, (planes, draws)."""
+def _drawn(
+    start: Complex,
+    limits: Float | None,
+    follows: Callable[[Float, Float], Float] | None,
+    terms: Sequence[Term],
+    draws: int,
+    seed: int,
+) -> tuple[Float, Float | None]:
+    """Return the magnitudes drawn, (planes, draws), and the limits that each is held against."""
     random = np.random.default_rng(seed)
     vectors = np.repeat(start[:, None], draws, axis=1)
+    mass, moment = np.zeros(draws), np.zeros(draws)
     for term in terms:
-        vectors += term.sensitivities[:, None] * term.draw(random, draws)
+        drawn = term.draw(random, draws)
+        vectors += term.sensitivities[:, None] * drawn
+        if any(term.mass):
+            mass += term.mass[0] * drawn.real
+            moment += term.mass[1] * drawn.real
     sizes: Float = np.abs(vectors)
-    return sizes
+    if limits is None or follows is None or not any(any(term.mass) for term in terms):
+        return sizes, None if limits is None else limits[:, None]
+    return sizes, (1.0 + _ROUNDED) * follows(mass, moment)
+
+
+def _beside(term: Term, start: Complex, limits: Float, follows: Callable[[Float, Float], Float]) -> Term:
+    """Return the term with what it does beside limits that move with it: s − U⁰/L · l, l being what it does to L."""
+    if not any(term.mass) or not term.spread:
+        return term
+    mass, moment = (each * term.spread * np.array([1.0, -1.0]) for each in term.mass)
+    up, down = follows(mass, moment).T
+    moved = start / limits * (up - down) / (2.0 * term.spread)
+    apart = term.sensitivities - moved
+    lost = np.abs(apart) <= _ROUNDED * (np.abs(term.sensitivities) + np.abs(moved))
+    return replace(term, sensitivities=np.where(lost, 0.0, apart))
 
 
 def _wilson(share: float, draws: int) -> tuple[float, float]:

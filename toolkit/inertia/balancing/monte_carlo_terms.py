@@ -14,6 +14,7 @@ from inertia.balancing.corrections.drilling import axial_volume, radial_unbalanc
 from inertia.balancing.corrections.milling import arc_unbalance, flat_unbalance
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.monte_carlo import Term
+from inertia.balancing.tolerance import Planes, Tolerance
 from inertia.balancing.unbalance import Complex, Unbalance, plane_weights
 from inertia.records import dataclass
 
@@ -78,7 +79,7 @@ _STEPS = {
 }
 
 
-def rotor_terms(rotor: Unbalance, zs: Sequence[float]) -> tuple[Term, ...]:
+def rotor_terms(rotor: Unbalance, zs: Planes, tolerance: Tolerance | None = None) -> tuple[Term, ...]:
     """Return the terms of a rotor's own uncertainties: inputs, densities, axis, tessellation and arithmetic.
 
     An input with a standard uncertainty is normal, in as many terms as it has ways to move the unbalance. A density is
@@ -88,10 +89,21 @@ def rotor_terms(rotor: Unbalance, zs: Sequence[float]) -> tuple[Term, ...]:
     Parameters
     ----------
     rotor : with its uncertainties
-    zs : (k,) m, the tolerance planes
+    zs : (A, B) m, the tolerance planes
+    tolerance : whose limits, where they follow the mass, bounds stand beside
     """
     p, q = plane_weights(rotor.z, zs)
-    return tuple(term for uncertainty in rotor.uncertainties for term in _of_source(uncertainty, p, q))
+    if tolerance is None:
+        bounds = [
+            tuple(k.bound(*weight) for weight in zip(p.tolist(), q.tolist(), strict=True)) for k in rotor.uncertainties
+        ]
+    else:
+        bounds = [*tolerance.apart(rotor, zs)]
+    return tuple(
+        term
+        for uncertainty, bound in zip(rotor.uncertainties, bounds, strict=True)
+        for term in _of_source(uncertainty, p, q, np.array(bound, dtype=np.complex128))
+    )
 
 
 def operation_terms(
@@ -142,27 +154,28 @@ def _shared(name: str, work: Operation) -> str:
     return f"plane {work.plane}"
 
 
-def _of_source(uncertainty: Uncertainty, p: Float, q: Float) -> list[Term]:
+def _of_source(uncertainty: Uncertainty, p: Float, q: Float, bound: Complex) -> list[Term]:
     cause = uncertainty.cause
+    masses = uncertainty.masses or ((0.0, 0.0),) * len(uncertainty.modes)
     if uncertainty.source == "input":
         labels = uncertainty.bodies if len(uncertainty.bodies) > 1 else uncertainty.bodies * len(uncertainty.modes)
         return [
-            Term(name, "normal", 1.0, vectors, 1.0, "its u")
-            for name, vectors in zip(labels, _in_planes(uncertainty.modes, p, q), strict=True)
+            Term(name, "normal", 1.0, vectors, 1.0, "its u", mass)
+            for name, vectors, mass in zip(labels, _in_planes(uncertainty.modes, p, q), masses, strict=True)
         ]
     of_bodies = [f"{uncertainty.source} of {body}" for body in uncertainty.bodies]
     names = of_bodies or [uncertainty.source] * max(1, len(uncertainty.modes))
     if cause and uncertainty.source == "density":
+        vectors = _in_planes(uncertainty.modes, p / cause, q / cause)
         return [
-            Term(name, "uniform", cause, vectors, 0.01, "1 %")
-            for name, vectors in zip(names, _in_planes(uncertainty.modes, p / cause, q / cause), strict=True)
+            Term(name, "uniform", cause, vector, 0.01, "1 %", (m / cause, s / cause))
+            for name, vector, (m, s) in zip(names, vectors, masses, strict=True)
         ]
     if cause and uncertainty.source == "axis":
         return [
             Term(name, "disc", cause, vectors, 1e-5, "0.01 mm")
             for name, vectors in zip(_AXIS, _in_planes(uncertainty.modes, p / cause, q / cause), strict=True)
         ]
-    bound: Complex = np.abs(_in_planes(uncertainty.modes, p, q)).sum(axis=0).astype(np.complex128)
     return [Term(names[0], "disc", 1.0, bound, 1.0, "its bound")]
 
 

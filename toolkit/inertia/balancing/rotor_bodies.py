@@ -21,7 +21,7 @@ from inertia.balancing.rotor_fields import BodyFields
 from inertia.balancing.tessellation_bound import chord_uncertainty, facet_uncertainty
 from inertia.balancing.unbalance import Unbalance
 from inertia.errors import FieldPath, GeometryError, InertiaError, placed
-from inertia.mass.analyse import analyse, sound_solids_only
+from inertia.mass.analyse import analyse, mass_properties, sound_solids_only
 from inertia.mass.analysis import Analysis
 from inertia.mesh.geometry.intersect import overlap
 from inertia.mesh.part import Cells, Part, Rounding
@@ -34,6 +34,7 @@ ChordFrom = Literal["given", "read", "shape", "estimated", "mesh", "exact"]
 
 _FARTHER = 2.0  # times the sag of the facets: then the vertices themselves may lie off the surface
 _LESS = 0.95  # of the sag of the facets: less than the mesh shows
+_WEIGHED: tuple[Literal["density", "mass"], ...] = ("density", "mass")
 _SECTORS = 720
 _CHUNK = 1 << 16
 
@@ -68,13 +69,32 @@ class RotorBody:
         """kg/m³; of a body that was weighed, what follows from its volume."""
         return self.analysis.density
 
+    def relative(self, name: Literal["density", "mass"]) -> float:
+        """Return the standard uncertainty of its density or its weighed mass over that; 0 where none is given."""
+        known, properties = self.analysis.uncertainty, self.analysis.properties
+        u = 0.0 if known is None else known.inputs.get(name, 0.0)
+        return u / (properties.mass if name == "mass" else self.density)
+
     def tessellation(self, shaft: Shaft, z: float) -> Uncertainty | None:
         """Return what triangles leave uncertain of the unbalance, the couple about the plane z (m)."""
         if not self.chord or self.chord_from == "shape":
             return None
         if self.chord_from == "given" and self.chord > _FARTHER * self.layers.sag:
-            return chord_uncertainty(self.part, self.chord, self.density, shaft, z)
-        return facet_uncertainty(self.layers, self.density, shaft, z)
+            layer = chord_uncertainty(self.part, self.chord, self.density, shaft, z)
+        else:
+            layer = facet_uncertainty(self.layers, self.density, shaft, z)
+        if self.analysis.density_from != "mass":
+            return layer
+        # What the layer weighs, the rest of a body that was weighed does not.
+        own = Unbalance.of(self.analysis.properties, shaft)
+        less = [m / own.mass for m, _ in layer.masses]
+        return replace(
+            layer,
+            modes=tuple(
+                (g - k * own.static, h - k * own.couple_about(z)) for (g, h), k in zip(layer.modes, less, strict=True)
+            ),
+            masses=tuple((0.0, s - m * (own.z - z)) for m, s in layer.masses),
+        )
 
 
 def read_bodies(rotor: Rotor) -> tuple[RotorBody, ...]:
@@ -183,35 +203,75 @@ def _in_metres(part: Part) -> Surface:
     return Surface(corners * float(part.unit.metres), np.arange(len(corners)).reshape(-1, 3))
 
 
-def unbalance_of(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft, together: Unbalance) -> Unbalance:
-    """Return the unbalance of all bodies and keys, with what tessellation and densities leave uncertain.
+def unbalance_of(bodies: Sequence[RotorBody], shaft: Shaft, keyed: Unbalance) -> Unbalance:
+    """Return the unbalance of all bodies and keys with what tessellation and noise of vertices leave uncertain.
 
     Parameters
     ----------
-    rotor, bodies, shaft : as read
-    together : the unbalance of the bodies, without keys, with what arithmetic and axis leave uncertain
+    bodies, shaft : as read
+    keyed : the unbalance of bodies and keys, with what arithmetic and axis leave uncertain
     """
-    unbalance = together.with_masses(rotor.key_masses)
     several = len(bodies) > 1
     more = [
         replace(layer, bodies=(body.name,) if several else ())
         for body in bodies
-        if (layer := body.tessellation(shaft, unbalance.z)) is not None
+        if (layer := body.tessellation(shaft, keyed.z)) is not None
     ]
-    relative = rotor.fields.uncertainty.density
-    unweighed = [body for body in bodies if body.analysis.density_from != "mass"]
     for body in bodies:
-        if (known := body.analysis.uncertainty) is not None:
-            more += [
-                bounds.propagated(f"{name} of {body.name}", covariance, known.properties, shaft, unbalance.z)
-                for name, covariance in known.components.items()
-            ]
-            unweighed = [each for each in unweighed if each is not body or "density" not in known.inputs]
-    if relative and unweighed:
-        alone = [Unbalance.of(body.analysis.properties, shaft) for body in unweighed]
-        spread = bounds.density([(k.static, k.couple_about(unbalance.z)) for k in alone], relative)
-        more.append(replace(spread, bodies=tuple(body.name for body in unweighed) if several else ()))
-    return unbalance.with_uncertainties(*more)
+        known = body.analysis.uncertainty
+        if known is not None and "vertices" in known.components:
+            name, covariance = f"vertices of {body.name}", known.components["vertices"]
+            more.append(bounds.propagated(name, covariance, known.properties, shaft, keyed.z))
+    return keyed.with_uncertainties(*more)
+
+
+def density_uncertainties(
+    rotor: Rotor,
+    bodies: Sequence[RotorBody],
+    shaft: Shaft,
+    z: float,
+    *,
+    cut: Sequence[Part] | None = None,
+    measured: bool = False,
+) -> tuple[Uncertainty, ...]:
+    """Return what densities and weighed masses leave uncertain: each moves all that its body has in proportion.
+
+    Parameters
+    ----------
+    rotor, bodies, shaft : as read
+    z : m, the plane that couples are about
+    cut : what is left of the bodies' triangles after corrections; limits follow the mass that they had before
+    measured : whether a machine showed the unbalance, so that only what was cut is in proportion
+    """
+    more, common = [], []
+    for number, body in enumerate(bodies):
+        own = [(name, u) for name in _WEIGHED if (u := body.relative(name))]
+        every = bool(rotor.fields.uncertainty.density) and body.analysis.density_from != "mass" and not own
+        if not own and not every:
+            continue
+        alone = Unbalance.of(body.analysis.properties, shaft)
+        mass = alone.mass, alone.mass * (alone.z - z)
+        static, couple = (0j, 0j) if measured else (alone.static, alone.couple_about(z))
+        if cut is not None:
+            before, after = (
+                Unbalance.of(mass_properties(part, body.density, intersections=False, tessellated=True), shaft)
+                for part in (body.part, cut[number])
+            )
+            static += after.static - before.static
+            couple += after.couple_about(z) - before.couple_about(z)
+        if every:
+            common.append((body.name, (static, couple), mass))
+        more += [
+            Uncertainty(
+                "input", ((u * static, u * couple),), None, (f"{name} of {body.name}",), ((u * mass[0], u * mass[1]),)
+            )
+            for name, u in own
+        ]
+    if common:
+        names, modes, masses = zip(*common, strict=True)
+        spread = bounds.density(modes, rotor.fields.uncertainty.density, masses)
+        more.append(replace(spread, bodies=names if len(bodies) > 1 else ()))
+    return tuple(more)
 
 
 def _corners(bodies: Sequence[RotorBody], shaft: Shaft) -> Iterator[Float]:

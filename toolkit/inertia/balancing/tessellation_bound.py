@@ -20,7 +20,7 @@ from inertia.arrays import Bool, Float, Int
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.bounds import Uncertainty
 from inertia.balancing.corrections.operation import Operation
-from inertia.balancing.facet_error import FacetLayers
+from inertia.balancing.facet_error import FacetLayers, Mode
 from inertia.errors import UsageError
 from inertia.mesh.geometry.edges import pair_edges
 from inertia.mesh.geometry.faces import components, merge_equal_vertices
@@ -55,7 +55,7 @@ def chord_uncertainty(part: Part, chord: float, density: float, shaft: Shaft, z:
     if not len(faces):
         return Uncertainty("tessellation", (), chord)
     points = shaft.to_shaft(surface.vertices * float(part.unit.metres)) - [0.0, 0.0, z]
-    return Uncertainty("tessellation", _modes(points, faces, np.full(len(faces), chord), density), chord)
+    return _tessellation(_modes(points, faces, np.full(len(faces), chord), density), chord)
 
 
 def facet_uncertainty(layers: FacetLayers, density: float, shaft: Shaft, z: float) -> Uncertainty:
@@ -73,7 +73,13 @@ def facet_uncertainty(layers: FacetLayers, density: float, shaft: Shaft, z: floa
     if unknown.any():
         points = shaft.to_shaft(layers.mesh.vertices) - [0.0, 0.0, z]
         modes += _modes(points, layers.mesh.faces[unknown], layers.unknown_sag[unknown], density)
-    return Uncertainty("tessellation", modes, layers.sag or None)
+    return _tessellation(modes, layers.sag or None)
+
+
+def _tessellation(modes: Sequence[Mode], cause: float | None) -> Uncertainty:
+    return Uncertainty(
+        "tessellation", tuple((g, h) for g, h, _, _ in modes), cause, masses=tuple((m, s) for _, _, m, s in modes)
+    )
 
 
 def curved_faces(surface: Surface) -> Bool:
@@ -115,16 +121,16 @@ def _hinges(vertices: Float, faces: Int) -> tuple[Int, Int, Int, Float]:
     return edges.ends[edges.uses == 2], edges.users[start], edges.users[start + 1], normals
 
 
-def _modes(points: Float, faces: Int, chord: Float, density: float) -> tuple[tuple[complex, complex], ...]:
+def _modes(points: Float, faces: Int, chord: Float, density: float) -> tuple[Mode, ...]:
     """Return, for each slab, what its layer can do at the slab's middle, and for all of them what their depth adds.
 
-    The chord (m,) is that of each face.
+    First to the unbalance, then to the mass. The chord (m,) is that of each face.
     """
     low, high = float(points[faces, 2].min()), float(points[faces, 2].max())
     width = max((high - low) / _SLABS, float(chord.max()))
     middles = low + width * (np.arange(_SLABS) + 0.5)
     sectors = np.zeros((_SLABS, _SECTORS))
-    nearby, reach = np.zeros(_SLABS), np.zeros(_SLABS)
+    nearby, reach, volume = np.zeros(_SLABS), np.zeros(_SLABS), np.zeros(_SLABS)
     for begin in range(0, len(faces), _CHUNK):
         corners = points[faces[begin : begin + _CHUNK]]
         sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).sum(axis=1)
@@ -141,13 +147,15 @@ def _modes(points: Float, faces: Int, chord: Float, density: float) -> tuple[tup
         place = (slab[:, np.newaxis] * _SECTORS + sector).ravel()
         sectors += np.bincount(place, arm.ravel(), sectors.size).reshape(sectors.shape)
         nearby += np.bincount(slab, thick * layer, _SLABS)
+        volume += np.bincount(slab, layer, _SLABS)
     step = math.pi / _SECTORS
     turned = np.abs(np.cos(step * (np.arange(_SECTORS)[:, np.newaxis] - np.arange(_SECTORS))))
     # Angles are rounded to half a step, and the worst direction lies within half a step of one of these.
     worst = (sectors @ turned).max(axis=1) + step * sectors.sum(axis=1)
-    most = density * (worst + nearby)
-    levers = tuple((complex(g), complex(g * middle)) for g, middle in zip(most, middles, strict=True) if g)
-    return (*levers, (0j, complex(float(most @ (reach + float(chord.max()))))))
+    most, masses, deep = density * (worst + nearby), density * volume, reach + float(chord.max())
+    levers = tuple((complex(g), complex(g * at), 0.0, 0.0) for g, at in zip(most, middles, strict=True) if g)
+    heavier = tuple((0j, 0j, float(m), float(m * at)) for m, at in zip(masses, middles, strict=True) if m)
+    return (*levers, *heavier, (0j, complex(most @ deep), 0.0, 0.0), (0j, 0j, 0.0, float(masses @ deep)))
 
 
 def _cut_short(corners: Float, layer: Float, thick: Float, depth: float) -> tuple[Float, Float, Float]:

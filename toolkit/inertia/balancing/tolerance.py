@@ -6,8 +6,12 @@ import math
 from dataclasses import replace
 from typing import Literal
 
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.balancing.bounds import Source
 from inertia.balancing.forces import carried_masses
-from inertia.balancing.unbalance import Unbalance
+from inertia.balancing.unbalance import Unbalance, plane_weights
 from inertia.errors import UsageError
 from inertia.records import dataclass
 
@@ -56,6 +60,7 @@ MIL_REVISIONS = ("MIL-STD-167-1", "MIL-STD-167-1A")
 _INBOARD, _OVERHUNG = (0.3, 0.7), (0.3, 1.3)
 _FOUR_W_OVER_N = 6.35e-3  # m r/min: 4 oz·in per lb, which are 6350 g·mm per kg, over N
 _MIL_SLOW = 0.177 * 1.5875e-3  # m: 0.177 oz·in per lb
+_LEFT = 1e-3  # of a limit: as small as it is taken to get by the mass that is uncertain
 
 
 @dataclass(frozen=True)
@@ -79,6 +84,82 @@ class Share:
         return self.allocated != self.used
 
 
+Planes = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class MassLaw:
+    """How limits follow the mass: U_k = e m c_k, with c_k the share of m that plane k carries, kept within limits.
+
+    Attributes
+    ----------
+    specific : e, m
+    mass, z : kg and m, of the rotor that the limits are for and of its centre of mass
+    planes : (A, B) m
+    kept : (least, most) of c_k: both 1 where each plane is allowed the same by the whole mass, 0 and inf where the
+        journal's load counts as it is
+    """
+
+    specific: float
+    mass: float
+    z: float
+    planes: Planes
+    kept: tuple[float, float]
+
+    def permissible(self, mass: Float, moment: Float, z: float) -> Float:
+        """Return the limits (2, n) kg m where the mass is another.
+
+        Parameters
+        ----------
+        mass, moment : (n,) kg and kg m, the change of the mass and of its first moment about the plane z
+        z : m
+        """
+        at_a, at_b = self.planes
+        total = self.mass + mass
+        on_b = (self.mass * (self.z - at_a) + moment + mass * (z - at_a)) / (at_b - at_a)
+        limits: Float = self.specific * np.clip(
+            np.abs(np.stack([total - on_b, on_b])), self.kept[0] * total, self.kept[1] * total
+        )
+        return limits
+
+    def rates(self, rotor: Unbalance) -> tuple[list[tuple[float, float]], ...]:
+        """Return for each plane what its limit changes by with the mass, m, and with its first moment, a number.
+
+        Two pairs where the share is kept by its limits, or is not, within what is uncertain: a change then lies between
+        what the two say.
+
+        Parameters
+        ----------
+        rotor : whose uncertainties count; first moments are about its centre of mass
+        """
+        at_a, at_b = self.planes
+        lever = (rotor.z - at_a) / (at_b - at_a)
+        per_moment = 1.0 / (at_b - at_a)
+        each = []
+        for carried, rate in zip(
+            carried_masses(self.mass, self.z, at_a, at_b),
+            ((1.0 - lever, -per_moment), (lever, per_moment)),
+            strict=True,
+        ):
+            sign, share = math.copysign(1.0, carried), abs(carried) / self.mass
+            loose = sign * rate[0], sign * rate[1]
+            moved = _changes(rotor, (loose[0] - share, loose[1])) / max(
+                self.mass - _changes(rotor, (1.0, 0.0)), _LEFT * self.mass
+            )
+            low, high = share - moved, share + moved
+            slopes = [(self.kept[0], 0.0)] if low <= self.kept[0] else []
+            slopes += [(self.kept[1], 0.0)] if high >= self.kept[1] else []
+            if low < self.kept[1] and high > self.kept[0]:
+                slopes.append(loose)
+            each.append([(self.specific * m, self.specific * s) for m, s in slopes])
+        return tuple(each)
+
+
+def _changes(rotor: Unbalance, rates: tuple[float, float]) -> float:
+    """Return how far what follows the mass and its first moment at these rates may change."""
+    return math.fsum(k.bound(0.0, 0.0, 1.0, rates) for k in rotor.uncertainties)
+
+
 @dataclass(frozen=True)
 class Tolerance:
     """Permissible residual unbalance in tolerance planes A and B.
@@ -92,6 +173,7 @@ class Tolerance:
     shares : (A, B) of the total, where there is one
     meant_for : machines that the grade or category is meant for
     undecided : why these limits decide nothing, where they do not
+    law : how the limits follow the mass; None where they do not
     """
 
     standard: str
@@ -101,9 +183,42 @@ class Tolerance:
     shares: tuple[Share, Share] | None = None
     meant_for: tuple[str, ...] = ()
     undecided: str | None = None
+    law: MassLaw | None = None
 
+    def apart(self, rotor: Unbalance, planes: Planes) -> list[tuple[float, float]]:
+        """Return how far each source of uncertainty may move the vectors in both planes beside their limits, kg m.
 
-Planes = tuple[float, float]
+        With a change a of the vector V, and l of its limit L, |V + a|/(L + l) is off |V|/L by |a − V l/L|/(L + l) at
+        most: what vector and limit are both in proportion to does nothing. The sum over all sources, with the least
+        that all of them together leave of L in the denominator, times L, is the bound.
+
+        Parameters
+        ----------
+        rotor : an unbalance of the rotor that the limits are for, with its uncertainties
+        planes : (A, B) m
+        """
+        weights = [(float(p), float(q)) for p, q in zip(*plane_weights(rotor.z, planes), strict=True)]
+        if self.law is None or min(self.permissible) <= 0:
+            a, b = ([k.bound(*weight) for k in rotor.uncertainties] for weight in weights)
+            return list(zip(a, b, strict=True))
+        columns = []
+        for (p, q), vector, limit, slopes in zip(
+            weights, rotor.in_planes(*planes), self.permissible, self.law.rates(rotor), strict=True
+        ):
+            share = vector / limit
+            least = max(limit - max(_changes(rotor, rates) for rates in slopes), _LEFT * limit)
+            ways = [[k.bound(p, q, share, rates) for k in rotor.uncertainties] for rates in slopes]
+            columns.append([limit / least * size for size in max(ways, key=math.fsum)])
+        return list(zip(*columns, strict=True))
+
+    def bounds(self, rotor: Unbalance, planes: Planes) -> tuple[dict[Source, float], dict[Source, float]]:
+        """Return for planes A and B how far the vector may be off beside its limit, kg m, by source: see `apart`."""
+        a: dict[Source, float] = {}
+        b: dict[Source, float] = {}
+        for uncertainty, sizes in zip(rotor.uncertainties, self.apart(rotor, planes), strict=True):
+            for totals, size in zip((a, b), sizes, strict=True):
+                totals[uncertainty.source] = totals.get(uncertainty.source, 0.0) + size
+        return a, b
 
 
 def iso_21940_11(
@@ -156,7 +271,12 @@ def api(standard: str, rotor: Unbalance, planes: Planes, rpm: float) -> Toleranc
         raise UsageError(f"the standard is {standard!r}: use 'API 610' or 'API 617'")
     limit = _FOUR_W_OVER_N / _positive(rpm, "the speed", "r/min")
     a, b = carried_masses(rotor.mass, rotor.z, *planes)
-    return Tolerance(standard, "6350 W/N g·mm per plane, W the journal's load in kg", (limit * abs(a), limit * abs(b)))
+    return Tolerance(
+        standard,
+        "6350 W/N g·mm per plane, W the journal's load in kg",
+        (limit * abs(a), limit * abs(b)),
+        law=MassLaw(limit, rotor.mass, rotor.z, planes, (0.0, math.inf)),
+    )
 
 
 def mil_std_167_1(revision: str, rotor: Unbalance, planes: Planes, rpm: float, grade: float | None = None) -> Tolerance:
@@ -182,7 +302,7 @@ def mil_std_167_1(revision: str, rotor: Unbalance, planes: Planes, rpm: float, g
         if grade is None:
             raise UsageError("MIL-STD-167-1A takes its grade from the contract: give the grade")
         iso = iso_21940_11(grade, rotor, planes, n * math.pi / 30.0)
-        return Tolerance(f"MIL-STD-167-1A, G{grade:g}", iso.rule, iso.permissible, iso.total, iso.shares)
+        return replace(iso, standard=f"MIL-STD-167-1A, G{grade:g}", meant_for=())
     if grade is not None:
         raise UsageError(f"{revision} has limits of its own: leave the grade out, or ask for MIL-STD-167-1A")
     if n > 1000.0:
@@ -193,7 +313,10 @@ def mil_std_167_1(revision: str, rotor: Unbalance, planes: Planes, rpm: float, g
         rule, specific = "0.177 W oz·in", _MIL_SLOW
     each = specific * rotor.mass
     return Tolerance(
-        f"{revision} (1974)", f"{rule} per plane, W the weight in lb of the whole rotor, N in r/min", (each, each)
+        f"{revision} (1974)",
+        f"{rule} per plane, W the weight in lb of the whole rotor, N in r/min",
+        (each, each),
+        law=MassLaw(specific, rotor.mass, rotor.z, planes, (1.0, 1.0)),
     )
 
 
@@ -271,7 +394,8 @@ def _allocated(
     standard: str, rule: str, total: float, rotor: Unbalance, planes: Planes, overhung: bool | None
 ) -> Tolerance:
     shares = allocate(rotor, planes, overhung)
-    return Tolerance(standard, rule, (total * shares[0].used, total * shares[1].used), total, shares)
+    law = MassLaw(total / rotor.mass, rotor.mass, rotor.z, planes, shares[0].limits)
+    return Tolerance(standard, rule, (total * shares[0].used, total * shares[1].used), total, shares, law=law)
 
 
 def _positive(value: float, name: str, unit: str) -> float:

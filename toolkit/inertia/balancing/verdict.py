@@ -15,7 +15,7 @@ from inertia.balancing.forces import RigidLimit
 from inertia.balancing.monte_carlo import Scatter
 from inertia.balancing.shop_units import GRAM_MILLIMETRE
 from inertia.balancing.tolerance import Planes, Tolerance
-from inertia.balancing.unbalance import Unbalance, plane_weights
+from inertia.balancing.unbalance import Unbalance
 from inertia.records import dataclass
 
 Outcome = Literal["pass", "fail", "undecided", "conditional"]
@@ -24,12 +24,14 @@ _ASKS: dict[Source, str] = {
     "tessellation": "facets within {:.2g} mm of the true surface",
     "axis": "bearing centres known to {:.2g} mm or better",
     "density": "densities known to {:.2g} % or better",
-    "arithmetic": "exact arithmetic",
+    "arithmetic": "coordinates counted from a point on the part, as rounding is in proportion to how far off they are",
     "measurement": "a smaller uncertainty of the measurement",
 }
 _SCALES: dict[Source, float] = {"tessellation": 1e3, "axis": 1e3, "density": 1e2, "arithmetic": 1.0}
 _MILD, _SMALL = 0.05, 0.01
 _SEEN = 1e-6  # of the limit
+_ON = 1e-9  # of the limit: as near to it nothing that is known better settles it
+_DIGITS = 15  # that tell two figures apart
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,8 @@ class PlaneVerdict:
     outcome : "pass" where |U| and its bounds stay within the limit, "fail" where |U| less its bounds exceeds it
     residual : the vector found, kg m
     permissible : kg m
-    bounds : how far the vector may be off, kg m, by source
+    bounds : how far the vector may be off, kg m, by source; beside its limit, where that follows the mass
+        (`inertia.balancing.tolerance.Tolerance.apart`)
     covers : the sources that cover the limit by themselves or, where none does, all that do so together
     settlements : what would settle it, one source at a time; all of them at once where no single one can
     why : the verdict in a sentence
@@ -141,7 +144,7 @@ def judge(
     'pass'
     """
     causes = _causes(residual)
-    bounds = residual.bounds_in_planes(planes)
+    bounds = tolerance.bounds(residual, planes)
     first, second = (
         _plane(name, vector, tolerance.permissible[k], bounds[k], causes)
         for k, (name, vector) in enumerate(zip("AB", residual.in_planes(*planes), strict=True))
@@ -153,7 +156,10 @@ def judge(
         outcome, why = "fail" if outcome == "fail" else "undecided", (*why, rigid.text)
     if tolerance.undecided is not None:
         outcome, why = "undecided", (*why, tolerance.undecided)
-    over = None if axis is None else _turned_over(outcome, (first, second), residual, planes, axis)
+    over = None
+    if axis is not None:
+        a, b = tolerance.apart(residual.with_uncertainties(axis), planes)[-1]
+        over = _turned_over(outcome, (first, second), (a, b))
     return Verdict(outcome, (first, second), why, over, axis is not None)
 
 
@@ -191,12 +197,11 @@ def _tightest(scatter: Scatter) -> str:
     return next((f": what matters most is {k.name}" for k in scatter.sensitivities if k.at_spread.any()), "")
 
 
-def _turned_over(
-    outcome: Outcome, verdicts: tuple[PlaneVerdict, ...], residual: Unbalance, planes: Planes, axis: Uncertainty
-) -> float | None:
-    """Return the radius of uncertainty of the bearing centres (m) from which on a verdict holds no more."""
-    p, q = plane_weights(residual.z, planes)
-    rates = [axis.bound(float(p[k]), float(q[k])) for k in range(len(verdicts))]
+def _turned_over(outcome: Outcome, verdicts: tuple[PlaneVerdict, ...], rates: tuple[float, float]) -> float | None:
+    """Return the radius of uncertainty of the bearing centres (m) from which on a verdict holds no more.
+
+    The rates are what a metre of it does in each plane, kg m.
+    """
     room = [
         abs(k.permissible - abs(k.residual)) - math.fsum(k.bounds.values()) if k.outcome == outcome else None
         for k in verdicts
@@ -226,19 +231,21 @@ def _plane(
         outcome = "pass"
     elif size - uncertain > permissible:
         outcome = "fail"
-    figure = _gmm(size, permissible)
-    if uncertain > _SEEN * permissible:
-        figure += f" ± {_gmm(uncertain, permissible)}"
-    why = f"plane {name}: {figure} g·mm against {_gmm(permissible, permissible)} g·mm: {outcome.upper()}"
+    figure, limit = _figures(0.0 if size <= min(uncertain, _SEEN * permissible) else size, permissible)
+    if uncertain > _SEEN * permissible or (outcome == "undecided" and uncertain):
+        figure += f" ± {uncertain / GRAM_MILLIMETRE:.4g}"
+    why = f"plane {name}: {figure} g·mm against {limit}: {outcome.upper()}"
     covers: tuple[Source, ...] = ()
     settlements: tuple[Settlement, ...] = ()
     if outcome == "undecided":
         present = {source: bound for source, bound in bounds.items() if bound > 0}
         covers = tuple(k for k, bound in present.items() if bound >= room) or tuple(present)
-        settlements = _settlements(room, present, causes)
+        settlements = _settlements(room, present, causes) if room > _ON * permissible else ()
         sizes = {k: bound for k, bound in present.items() if bound >= _SMALL * permissible} or present
         parts = ", ".join(f"{k} {sizes[k] / GRAM_MILLIMETRE:.4g}" for k in sorted(sizes, key=lambda k: -sizes[k]))
-        settled = " or ".join(k.text for k in settlements) or "nothing: the value lies on the limit"
+        settled = " or ".join(k.text for k in settlements) or (
+            "nothing that is known better, as the value lies on the limit: a little less unbalance, or another limit"
+        )
         why += f", as uncertainty covers the limit (g·mm: {parts}); what would settle it: {settled}"
     return PlaneVerdict(name, outcome, vector, permissible, bounds, covers, settlements, why)
 
@@ -256,8 +263,6 @@ def _settlements(
     ways = sorted((source for source, ratio in alone.items() if ratio >= _MILD), key=lambda k: -alone[k])
     if ways:
         return tuple(_settlement({source: alone[source]}, causes) for source in ways)
-    if not room:
-        return ()
     large = {source: bound for source, bound in bounds.items() if bound > _SMALL * whole}
     spare = room - (whole - math.fsum(large.values()))
     if spare <= 0:
@@ -285,6 +290,12 @@ def _floored(value: float) -> float:
     return math.floor(value / unit) * unit
 
 
-def _gmm(unbalance: float, permissible: float) -> str:
-    """Return a magnitude in g·mm to four figures; what is lost beside the limit is 0."""
-    return f"{unbalance / GRAM_MILLIMETRE if unbalance > _SEEN * permissible else 0.0:.4g}"
+def _figures(size: float, permissible: float) -> tuple[str, str]:
+    """Return a magnitude and its limit with g·mm, both to four figures or to as many as tell them apart."""
+    values = size / GRAM_MILLIMETRE, permissible / GRAM_MILLIMETRE
+    for digits in range(4, _DIGITS + 1):
+        figure, limit = (f"{value:.{digits}g}" for value in values)
+        if figure != limit:
+            return figure, f"{limit} g·mm"
+    figure = f"{values[0]:.4g}"
+    return figure, f"{figure} g·mm, equal to {_DIGITS} digits"

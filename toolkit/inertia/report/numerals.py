@@ -44,6 +44,15 @@ def plain(value: float, decimals: int) -> str:
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
+def converted(value: float) -> float:
+    """Return a figure that was brought into another unit, without what that leaves behind its twelfth digit.
+
+    >>> converted(1e3 * 0.0392), converted(math.degrees(math.radians(205.0)))
+    (39.2, 205.0)
+    """
+    return float(f"{value:.12g}")
+
+
 def row(label: str, text: str) -> str:
     """Return one line: a label and what it says."""
     return f"{label:<{LABEL}}{visible(text)}"

@@ -60,10 +60,11 @@ class Shaft:
             )
         size = float(max(np.abs(self.bearing_a).max(), np.abs(self.bearing_b).max()))
         if self.span <= _COINCIDENT * size:
+            place = ", ".join(f"{1e3 * x:.6g}" for x in self.bearing_a.tolist())
             raise FieldError(
                 joined(path, "bearing_a and bearing_b"),
-                f"are {self.span:.3g} m apart at {self.bearing_a.tolist()} m: a shaft needs "
-                "two separate bearings, correct one of them",
+                f"are {1e3 * self.span:.3g} mm apart at ({place}) mm: a shaft needs two separate bearings, "
+                "correct one of them",
             )
         length = float(np.linalg.norm(self.zero_mark))
         if length == 0:

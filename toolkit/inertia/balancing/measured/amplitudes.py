@@ -78,12 +78,16 @@ def amplitude_balance(amplitudes: ArrayLike, weights: ArrayLike) -> tuple[Amplit
     largest = float(sizes.max())
     if not largest:
         raise GeometryError("all amplitudes are zero: there is nothing to be balanced, or the sensor is off")
+    # In units of the largest amplitude and weight: the steps of the fit would be cut short by the size of others.
+    unit = float(np.abs(mounted).max())
+    sizes, mounted = sizes / largest, mounted / unit
     starts = [
         start
         for pair in combinations(np.flatnonzero(mounted != 0).tolist(), 2)
         for start in _of_three(float(sizes[bare].mean()), sizes[list(pair)], mounted[list(pair)])
     ]
     fits = sorted((_fitted(sizes, mounted, start) for start in starts), key=lambda fit: fit.misfit)
+    fits = [AmplitudeFit(fit.unbalance * unit, fit.sensitivity * largest / unit, fit.misfit) for fit in fits]
     unlike: list[AmplitudeFit] = []
     for fit in fits:
         if all(abs(fit.unbalance - one.unbalance) > _SAME * abs(one.unbalance) for one in unlike):

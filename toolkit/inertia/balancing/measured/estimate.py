@@ -7,6 +7,11 @@ tooling, `inertia.balancing.measured.index_balancing` tells the two apart.
 
 Half-widths a of readings and weights count as standard uncertainties a/√3 and are carried through the whole
 calculation numerically, one after the other (JCGM 100:2008, 4.3.7 and note 2 to 5.1.3).
+
+That is of first order, and the unbalance is a quotient: with errors δA of the coefficients, an estimate is off by
+d = (1 + N)⁻¹ e, with e the error of first order and N = A⁺ δA. The confidence region of a quotient is wider by that,
+and has no bound at all once N may be 1 (Fieller, E. C. (1954), J. R. Stat. Soc. B 16(2), 175-185): a trial weight whose
+effect drowns in the noise says nothing of the unbalance, however small the quotient came out.
 """
 
 from __future__ import annotations
@@ -36,6 +41,8 @@ _RECTANGLE = math.sqrt(3.0)
 _SAME = 1e-9  # of the largest weight: what is mounted in two runs is the same
 _SINGULAR = 1e10
 _SAME_FIT = 0.02  # misfit, relative, up to which a second place without phase counts as one too
+_SEEN = 2.6  # standard uncertainties by which an effect has to be more than its noise comes to, √(2 d) of d complex
+# readings: √(2 d) + 2.6 is passed by noise alone 3 times in 10 000 (a quantile of χ, within 2 % from d = 1 to 40)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +56,10 @@ class Estimate:
     coefficients : (channels, n) vibration per unit of weight; None without phase
     coefficient_uncertainty : (channels, n) standard
     unbalance : (n,) the heavy spots as the rotor is now, with what stays on it
-    covariance : (n, 2, 2) of its parts along 0° and 90°
+    covariance : (n, 2, 2) of its parts along 0° and 90°, of first order
+    coefficient_noise : (n, n) standard uncertainty of A⁺ δA, what errors of the coefficients make of an unbalance in
+        one plane (column) in another (row), relative and in the direction in which it is largest; infinite where the
+        readings may as well have no answer
     present : (channels,) what the machine would show now
     tooling : (n,) of indexed runs, what belongs to the tooling; None without them
     fits : without phase, the unbalances at the start that explain the amplitudes, the best first
@@ -61,19 +71,46 @@ class Estimate:
     coefficient_uncertainty: Float
     unbalance: Complex
     covariance: Float
+    coefficient_noise: Float
     present: Complex
     tooling: Complex | None
     fits: tuple[AmplitudeFit, ...]
 
     @property
     def ambiguous(self) -> bool:
-        """Whether two unbalances explain the amplitudes without phase."""
-        return len(self.fits) > 1 and self.fits[1].misfit <= max(_SAME_FIT, 3.0 * self.fits[0].misfit)
+        """Whether two unbalances explain the amplitudes without phase, farther apart than either is uncertain."""
+        if len(self.fits) < 2 or self.fits[1].misfit > max(_SAME_FIT, 3.0 * self.fits[0].misfit):
+            return False
+        return abs(self.fits[1].unbalance - self.fits[0].unbalance) > COVERAGE * float(self.uncertainty[0])
+
+    @property
+    def bounded(self) -> bool:
+        """Whether the coefficients are known well enough to bound the unbalance; noise alone is not."""
+        squares = self.coefficient_noise**2
+        if not np.isfinite(squares).all():
+            return False
+        largest = float(np.abs(np.linalg.eigvals(squares)).max(initial=0.0))
+        return math.sqrt(largest) * (math.sqrt(2.0 * (1 + self._spare)) + _SEEN) <= 1.0
+
+    @property
+    def _spare(self) -> int:
+        """Readings of a run beyond those that the planes take."""
+        return len(self.present) - len(self.unbalance)
 
     @property
     def uncertainty(self) -> Float:
-        """Standard uncertainty (n,) of each plane's vector in the direction in which it is largest."""
-        spread: Float = np.sqrt(np.maximum(np.linalg.eigvalsh(self.covariance)[:, -1], 0.0))
+        """Standard uncertainty (n,) of each plane's vector in the direction in which it is largest; or infinite.
+
+        With k the coverage, s of first order and S the noise of the coefficients, an unbalance u is off by no more than
+        d = k s + C |u| with |u| ≤ |û| + d, so that d = (1 − C)⁻¹ (k s + C |û|). C is k² S², and 2 S² for each reading
+        beyond those that the planes take: noise there makes the squares of coefficients larger, and û smaller.
+        """
+        first = np.sqrt(np.maximum(np.linalg.eigvalsh(self.covariance)[:, -1], 0.0))
+        if not self.bounded:
+            return np.full(len(first), math.inf)
+        second = (COVERAGE**2 + 2.0 * self._spare) * self.coefficient_noise**2
+        off = np.linalg.solve(np.eye(len(first)) - second, COVERAGE * first + second @ np.abs(self.unbalance))
+        spread: Float = off / COVERAGE
         return spread
 
 
@@ -102,26 +139,36 @@ def estimate(job: Job, stored: tuple[Complex, Float] | None = None) -> Estimate:
     readings = job.vibrations if job.by_phase else job.amplitudes.astype(complex)
     inputs = _Inputs(readings, complex_of([weight for _, _, weight, _ in job.weights], "weights"), matrix)
     nominal = _calculated(job, inputs)
-    parts = [_parts(job, nominal)]
-    parts += [
-        0.5 * (_parts(job, _calculated(job, up, nominal)) - _parts(job, _calculated(job, down, nominal)))
-        for up, down in _moved(job, inputs, errors)
-    ]
-    moves = np.array(parts[1:]).reshape(-1, len(parts[0]))
-    planes = len(job.planes)
-    sides = np.stack([moves[:, :planes].real, moves[:, :planes].imag], axis=-1)
-    spread = np.sqrt((np.abs(moves[:, planes:]) ** 2).sum(axis=0) / 2.0)
-    return replace(
-        nominal,
-        covariance=np.einsum("ipa,ipb->pab", sides, sides),
-        coefficient_uncertainty=spread.reshape(len(job.channels), planes) if spread.size else np.zeros((0, planes)),
-    )
+    try:
+        parts = [
+            0.5 * (_parts(_calculated(job, up, nominal)) - _parts(_calculated(job, down, nominal)))
+            for up, down in _moved(job, inputs, errors)
+        ]
+    except GeometryError:
+        if job.by_phase:
+            raise
+        # Within their uncertainties, the amplitudes may have no answer at all.
+        return replace(nominal, coefficient_noise=np.full_like(nominal.coefficient_noise, math.inf))
+    moves = np.array(parts).reshape(len(parts), *_parts(nominal).shape)
+    sides = np.stack([moves[:, 0].real, moves[:, 0].imag], axis=-1)
+    answer = replace(nominal, covariance=np.einsum("ipa,ipb->pab", sides, sides))
+    if nominal.coefficients is None:
+        # u is the quotient of a² u and a², which the squares of the amplitudes give: of a, the sensitivity, twice.
+        noise = 2.0 * moves[:, 1:] / nominal.fits[0].sensitivity
+    else:
+        answer = replace(answer, coefficient_uncertainty=np.sqrt((np.abs(moves[:, 1:]) ** 2).sum(axis=0) / 2.0))
+        root = np.sqrt(job.importance)[:, None]
+        noise = np.linalg.pinv(root * nominal.coefficients) @ (root * moves[:, 1:])
+    # Of complex numbers with zero mean, the variance in the direction in which it is largest.
+    squares = 0.5 * ((np.abs(noise) ** 2).sum(axis=0) + np.abs((noise**2).sum(axis=0)))
+    return replace(answer, coefficient_noise=np.sqrt(squares))
 
 
-def _parts(job: Job, answer: Estimate) -> Complex:
-    """Return what uncertainty is carried to: the unbalance, then the coefficients."""
-    coefficients = answer.coefficients
-    return answer.unbalance if coefficients is None else np.concatenate([answer.unbalance, coefficients.ravel()])
+def _parts(answer: Estimate) -> Complex:
+    """Return what uncertainty is carried to, (1 + channels, n): the unbalance, and coefficients or sensitivity."""
+    if answer.coefficients is None:
+        return np.array([answer.unbalance, [answer.fits[0].sensitivity]])
+    return np.vstack([answer.unbalance, answer.coefficients])
 
 
 def _moved(job: Job, inputs: _Inputs, errors: Float | None) -> Iterator[tuple[_Inputs, _Inputs]]:
@@ -160,9 +207,17 @@ def _calculated(job: Job, inputs: _Inputs, near: Estimate | None = None) -> Esti
     """Return the answer from inputs, without its uncertainty; of several, that near another."""
     mounted, remaining = mounted_weights(job, inputs.weights)
     planes = len(job.planes)
-    empty = np.zeros((planes, 2, 2))
     answer = Estimate(
-        mounted, remaining, None, np.zeros((0, planes)), np.zeros(planes, complex), empty, inputs.readings[-1], None, ()
+        mounted=mounted,
+        remaining=remaining,
+        coefficients=None,
+        coefficient_uncertainty=np.zeros((0, planes)),
+        unbalance=np.zeros(planes, complex),
+        covariance=np.zeros((planes, 2, 2)),
+        coefficient_noise=np.zeros((planes, planes)),
+        present=inputs.readings[-1],
+        tooling=None,
+        fits=(),
     )
     if not job.by_phase:
         fits = amplitude_balance(inputs.readings[:, 0].real, mounted[:, 0])

@@ -12,6 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from inertia.balancing.correction_fields import EvenAngles, WeightFields
 from inertia.balancing.measured.influence import Criterion
+from inertia.balancing.measured.unbalance_units import UnbalanceUnit, unbalance_unit
 from inertia.balancing.measured.vibration_units import vibration_unit
 from inertia.balancing.rotor_fields import unit
 from inertia.documents import (
@@ -92,7 +93,7 @@ class MachineFields(Section):
     Attributes
     ----------
     name, serial, calibration, operator, date, place, remark : as the shop writes them
-    unit : of a balancing machine's readings: "g·mm" or "oz·in"
+    unit : of a balancing machine's readings: "g·mm" or "oz·in", with ".", "*" or "-" for the dot too
     floor : half-width of the noise of a balancing machine in that unit, its minimum achievable residual unbalance
     """
 
@@ -105,7 +106,7 @@ class MachineFields(Section):
     date: Annotated[str | None, _MOMENT] = None
     place: Annotated[str | None, text] = None
     remark: Annotated[str | None, text] = None
-    unit: Annotated[Literal["g·mm", "oz·in"], choice("g·mm", "oz·in")] = "g·mm"
+    unit: Annotated[UnbalanceUnit, unbalance_unit()] = "g·mm"
     floor: Annotated[float, number("the machine's unit", negative=False)] = 0.0
 
 

@@ -1,7 +1,8 @@
 """`measure`: from the readings of a balancing job to weights or holes, and to the verdict on what is left.
 
 The unbalance as measured (`inertia.balancing.measured.estimate`) is judged with its uncertainty: it passes where
-|U| ≤ U_per − ΔU and fails where |U| > U_per + ΔU (ISO 21940-14), ΔU being twice the standard uncertainty. What is to be
+|U| ≤ U_per − ΔU and fails where |U| > U_per + ΔU (ISO 21940-14), ΔU being twice the standard uncertainty; where the
+readings do not bound it, ΔU is infinite, nothing passes or fails by it, and nothing is to be mounted. What is to be
 mounted is found by influence coefficients, within limits and at positions; where the job names a rotor file, holes and
 weights come from the planner of `inertia.balance`, by the measured unbalance and the real geometry.
 """
@@ -31,6 +32,10 @@ from inertia.errors import GeometryError, UsageError, placed, require_kind
 from inertia.records import dataclass
 
 _GRAVEST = ("fail", "undecided", "conditional", "pass")
+_AIM = (
+    0.75  # of what is permissible beyond the uncertainty: what weights of a kit may leave of it, as plans of holes may
+)
+_UNSEEN = 0.5  # of the uncertainty: what weights may leave without adding more than an eighth to it
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +68,8 @@ class MeasuredPlane:
     ----------
     plane : its name and place
     unbalance : kg m or kg, the heavy spot
-    uncertainty : standard, of the vector, in the direction in which it is largest
+    uncertainty : standard, of the vector, in the direction in which it is largest; infinite where the readings do not
+        bound it
     correction : what to add, of the least of the criterion within the limits
     pieces : the masses to mount, at their angles
     left : what they leave of the correction
@@ -100,7 +106,8 @@ class Measurement:
     condition : of the coefficients; None without phase
     present, predicted : (channels,) what the machine shows now, and what it should show with the pieces mounted
     gap : of min-max, see `InfluenceCorrection`
-    balance : of the rotor file, by the measured unbalance; None where the job names none
+    balance : of the rotor file, by the measured unbalance; None where the job names none, or where the readings do not
+        bound it
     outcome : the verdict on the rotor as it is now; None where nothing says what is permissible
     why : the verdict in sentences
     notes : what else has to be known, in sentences
@@ -179,13 +186,15 @@ def _measured(job: Job, seconds: float | None, progress: Progress | None) -> Mea
         _plane(job, k, result, -result.unbalance[k] if correction is None else correction.unbalance[k], permissible[k])
         for k in range(len(job.planes))
     )
+    if not result.bounded:
+        planes = tuple(replace(plane, pieces=(), left=plane.correction) for plane in planes)
     predicted = _after(job, result, planes)
     notes = remarks(job, result, correction, stored is not None)
     if any(plane.pieces for plane in planes) and not _lower(job, predicted, result.present):
         planes = tuple(replace(plane, pieces=(), left=plane.correction) for plane in planes)
         predicted = result.present
         notes.append("no weights at these positions and steps lower the readings: none are proposed")
-    rotor = None if job.rotor is None else _balance(job, result, seconds, progress)
+    rotor = None if job.rotor is None or not result.bounded else _balance(job, result, seconds, progress)
     outcome, why = _judged(job, result, planes, rotor)
     return Measurement(
         job=job,
@@ -241,6 +250,7 @@ def _plane(job: Job, number: int, result: Estimate, correction: complex, permiss
     if fields.max_mass_g is not None and not job.by_phase:
         cap = 1e-3 * fields.max_mass_g * per_mass
         correction *= min(1.0, cap / abs(correction)) if correction else 1.0
+    unbalance, uncertainty = complex(result.unbalance[number]), float(result.uncertainty[number])
     pieces: tuple[Piece, ...] = ()
     if not (job.by_machine and job.planes[number].radius is None):
         pieces = split_among(
@@ -251,9 +261,9 @@ def _plane(job: Job, number: int, result: Estimate, correction: complex, permiss
             step=1e-3 * fields.mass_step_g,
             kit=[KitWeight(k.name or f"{k.mass_g:g} g", 1e-3 * k.mass_g, k.stock) for k in fields.kit or ()],
             most_pieces=fields.most_per_position,
+            enough=_enough(COVERAGE * uncertainty, permissible) / per_mass,
         )
     added = sum((piece.vector for piece in pieces), 0j) * per_mass
-    unbalance, uncertainty = complex(result.unbalance[number]), float(result.uncertainty[number])
     outcome = None if permissible is None else accepted(abs(unbalance), permissible, COVERAGE * uncertainty)
     return MeasuredPlane(
         job.planes[number],
@@ -265,6 +275,15 @@ def _plane(job: Job, number: int, result: Estimate, correction: complex, permiss
         permissible,
         outcome,
     )
+
+
+def _enough(expanded: float, permissible: float | None) -> float:
+    """Return what weights of a kit may leave of a correction: to leave less takes more of them, and shows nowhere."""
+    if not math.isfinite(expanded):
+        return 0.0
+    if permissible is None:
+        return _UNSEEN * expanded
+    return min(_AIM * permissible, max(_UNSEEN * expanded, _AIM * (permissible - expanded)))
 
 
 def _permissible(job: Job) -> list[float | None]:
@@ -301,16 +320,20 @@ def _judged(
     for plane in planes:
         if plane.outcome is not None and plane.permissible is not None:
             outcomes.append(plane.outcome)
-            size, expanded, limit = (
-                f"{k / GRAM_MILLIMETRE:.4g}" for k in (abs(plane.unbalance), plane.expanded, plane.permissible)
+            size, expanded, limit = told_apart(
+                abs(plane.unbalance) / GRAM_MILLIMETRE,
+                plane.expanded / GRAM_MILLIMETRE,
+                plane.permissible / GRAM_MILLIMETRE,
             )
-            why.append(
-                f"plane {plane.plane.id}: {size} ± {expanded} g·mm against {limit} g·mm: {plane.outcome.upper()}"
-            )
+            known = f"{size} ± {expanded} g·mm" if result.bounded else f"{size} g·mm, which the readings do not bound,"
+            why.append(f"plane {plane.plane.id}: {known} against {limit} g·mm: {plane.outcome.upper()}")
     if rotor is not None:
         verdict = rotor.initial_verdict
         outcomes.append(verdict.outcome)
         why += verdict.why
+    elif job.rotor is not None:
+        outcomes.append("undecided")
+        why.append("bearings: the readings do not bound the unbalance: UNDECIDED")
     greatest = job.fields.tolerance.vibration
     if greatest is not None and not job.by_machine:
         for k, channel in enumerate(job.channels):
@@ -318,10 +341,27 @@ def _judged(
             off = math.hypot(float(job.half_widths[0][k]) * reading, float(job.noise[k]))
             outcomes.append(accepted(reading, greatest, off))
             unit, said = job.unit_of(channel), outcomes[-1].upper()
-            why.append(f"{channel}: {reading:.4g} ± {off:.2g} {unit} against {greatest:g}: {said}")
+            size, spread, limit = told_apart(reading, off, greatest, fewer=2)
+            why.append(f"{channel}: {size} ± {spread} {unit} against {limit}: {said}")
     if outcomes and result.ambiguous:
         outcomes.append("undecided")
     return min(outcomes, key=_GRAVEST.index, default=None), tuple(why)
+
+
+def told_apart(size: float, uncertainty: float, permissible: float, fewer: int = 0) -> tuple[str, str, str]:
+    """Return the three with so many digits, four or more, that what `accepted` says of them shows.
+
+    The uncertainty has so many digits `fewer`.
+
+    >>> told_apart(100.01, 0.0, 100.0), told_apart(19.5, 2.3094, 20.0)
+    (('100.01', '0', '100'), ('19.5', '2.309', '20'))
+    """
+    outcome = accepted(size, permissible, uncertainty)
+    for digits in range(4, 18):
+        shown = f"{size:.{digits}g}", f"{uncertainty:.{digits - fewer}g}", f"{permissible:.{digits}g}"
+        if accepted(float(shown[0]), float(shown[2]), float(shown[1])) == outcome:
+            break
+    return shown
 
 
 def _log(job: Job, result: Estimate, known: bool) -> tuple[MeasuredRun, ...]:

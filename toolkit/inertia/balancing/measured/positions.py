@@ -9,13 +9,19 @@ from itertools import product
 
 import numpy as np
 
+from inertia.arrays import Int
 from inertia.balancing.corrections.correction_plane import KitWeight, angle_of
 from inertia.balancing.corrections.standard_weights import choose_weights
+from inertia.balancing.unbalance import Complex
 from inertia.records import dataclass
 
 _NOTHING = 1e-9  # of the whole: masses that are none
 _FOLLOWED = 64  # roundings followed up
 _OVER = 1e-6  # of a limit: what a correction that keeps it was rounded by
+_LISTED = 200_000  # choices of weights that are listed at once
+_MANY = 32  # weights, whose choices are not listed any more
+_AT_ONCE = 4096  # of the choices found, looked at together
+_NEIGHBOURS = 8  # pairs of weights tried for what others leave, the nearest first
 
 
 @dataclass(frozen=True)
@@ -42,11 +48,14 @@ def split_among(
     step: float = 0.0,
     kit: Sequence[KitWeight] = (),
     most_pieces: int = 1,
+    enough: float = 0.0,
 ) -> tuple[Piece, ...]:
     """Return masses that come as near to a vector as they can, none where nothing is nearer.
 
     Anywhere, it is one mass. Among positions it is two beside each other where those are enough, else the least squares
-    over all positions; of a kit, the smallest residual and of those choices the fewest weights (`choose_weights`).
+    over all positions. Of a kit, it is the fewest weights that leave no more than is `enough`, and of as many those
+    that leave least; where none do, or too many choices would have to be listed, the smallest residual and of those
+    choices the fewest weights (`choose_weights`).
 
     Parameters
     ----------
@@ -57,6 +66,7 @@ def split_among(
     step : kg, to which masses are rounded; 0 for no rounding
     kit : the weights at hand, in place of a step
     most_pieces : weights of the kit at one position
+    enough : kg, what weights of a kit may leave of the vector; nothing is gained by more weights that leave less
 
     >>> pieces = split_among(cmath.rect(1.0, 0.3), [0.0, math.pi / 6])
     >>> [(round(math.degrees(piece.angle)), round(piece.mass, 3)) for piece in pieces]
@@ -65,7 +75,7 @@ def split_among(
     places = None if angles is None else [angle % (2.0 * math.pi) for angle in angles]
     limit = most_in_all * (1 + _OVER)
     if places is not None and kit:
-        return _of_kit(vector, places, kit, most_pieces, limit)
+        return _of_kit(vector, places, kit, most_pieces, limit, enough)
     size = abs(vector)
     within = vector * (most_in_all / size) if size > limit else vector
     exact: tuple[Piece, ...]
@@ -130,9 +140,10 @@ def _steps(mass: float, step: float) -> tuple[float, ...]:
 
 
 def _of_kit(
-    vector: complex, places: Sequence[float], kit: Sequence[KitWeight], most: int, limit: float
+    vector: complex, places: Sequence[float], kit: Sequence[KitWeight], most: int, limit: float, enough: float
 ) -> tuple[Piece, ...]:
     slots = [(angle, weight) for angle in places for weight in kit]
+    effects = [cmath.rect(weight.mass, angle) for angle, weight in slots]
     groups: list[tuple[list[int], int]] = [
         ([k for k, slot in enumerate(slots) if slot[0] == angle], most) for angle in places
     ]
@@ -141,17 +152,77 @@ def _of_kit(
         for weight in kit
         if weight.stock is not None
     ]
-    choice = choose_weights(
-        [[cmath.rect(weight.mass, angle) for angle, weight in slots]],
-        [-vector],
-        [max(weight.mass for weight in kit)],
-        [min(most, weight.most) for _, weight in slots],
-        groups,
-        aim="smallest",
-        largest=[limit],
-    )
+    counts = _fewest(vector, np.array(effects), groups, limit, enough) if enough > 0 else None
+    if counts is None:
+        counts = choose_weights(
+            [effects],
+            [-vector],
+            [max(weight.mass for weight in kit)],
+            [min(most, weight.most) for _, weight in slots],
+            groups,
+            aim="smallest",
+            largest=[limit],
+        ).counts
     return tuple(
         Piece(angle, count * weight.mass, weight.name, count)
-        for (angle, weight), count in zip(slots, choice.counts.tolist(), strict=True)
+        for (angle, weight), count in zip(slots, counts.tolist(), strict=True)
         if count
     )
+
+
+def _fewest(
+    vector: complex, effects: Complex, groups: Sequence[tuple[Sequence[int], int]], limit: float, enough: float
+) -> Int | None:
+    """Return how many weights of each effect are the fewest that leave no more than is enough, and leave least.
+
+    Choices of one, two, three … weights are listed, but for the last two, which are looked up among all pairs. None
+    where they are too many to be listed before some are enough.
+    """
+    from scipy.spatial import KDTree
+
+    members = np.zeros((len(effects), len(groups)), np.int64)
+    for k, (places, _) in enumerate(groups):
+        members[list(places), k] = 1
+    caps = np.array([cap for _, cap in groups])
+    heaviest = float(np.abs(effects).max())
+    for number in range(max(0, math.ceil((abs(vector) - enough) / heaviest)), _MANY):
+        last = min(number, 2)
+        near = [(number - k) * heaviest + enough for k in range(1, number - last + 1)]
+        firsts = _listed(vector, effects, members, caps, near)
+        lasts = _listed(0j, effects, members, caps, [math.inf] * last)
+        if firsts is None or lasts is None:
+            return None
+        if not len(firsts) or not len(lasts):
+            continue
+        missing, ends = vector - effects[firsts].sum(axis=1), effects[lasts].sum(axis=1)
+        left, which = KDTree(np.column_stack([ends.real, ends.imag])).query(
+            np.column_stack([missing.real, missing.imag]), k=list(range(1, min(_NEIGHBOURS, len(ends)) + 1))
+        )
+        order = np.argsort(left, axis=None)
+        for some in np.array_split(order, -(-order.size // _AT_ONCE)):
+            row, column = np.unravel_index(some, left.shape)
+            chosen = np.column_stack([firsts[row], lasts[which[row, column]]])
+            allowed = (np.abs(effects[chosen].sum(axis=1)) <= limit) & (members[chosen].sum(axis=1) <= caps).all(axis=1)
+            allowed &= left[row, column] <= enough
+            if allowed.any():
+                return np.bincount(chosen[np.argmax(allowed)], minlength=len(effects))
+            if left[row[-1], column[-1]] > enough:
+                break
+    return None
+
+
+def _listed(vector: complex, effects: Complex, members: Int, caps: Int, near: Sequence[float]) -> Int | None:
+    """Return all ascending choices (choices, n) that after each weight are so near a vector; None of too many."""
+    rows, wholes, used = np.zeros((1, 0), np.int64), np.zeros(1, complex), np.zeros((1, len(caps)), np.int64)
+    for size, reach in enumerate(near):
+        if len(rows) * len(effects) > _LISTED:
+            return None
+        row, slot = (k.ravel() for k in np.indices((len(rows), len(effects))))
+        kept = np.abs(vector - wholes[row] - effects[slot]) <= reach
+        if size:
+            kept &= rows[row, -1] <= slot
+        row, slot = row[kept], slot[kept]
+        within = (used[row] + members[slot] <= caps).all(axis=1)
+        row, slot = row[within], slot[within]
+        rows, wholes, used = np.column_stack([rows[row], slot]), wholes[row] + effects[slot], used[row] + members[slot]
+    return rows

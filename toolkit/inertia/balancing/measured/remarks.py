@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.balancing.measured.estimate import Estimate
+from inertia.balancing.measured.estimate import Estimate, mounted_weights
 from inertia.balancing.measured.influence import CONDITION_WARNING, InfluenceCorrection
 from inertia.balancing.measured.job import AMPLITUDE, PHASE, Job
 from inertia.balancing.measured.trial_weights import trial_response
@@ -42,6 +42,12 @@ def remarks(
         notes += _on_trials(job, result)
     if correction is not None and not job.by_machine:
         notes += _on_coefficients(job, result, correction)
+    notes += _on_contradictions(job, result)
+    if not result.bounded:
+        notes.append(
+            "the readings do not bound the unbalance: what a weight does to them is known to no better than a half of "
+            "it; nothing passes or fails by that, and no weights are proposed: repeat with larger trial weights"
+        )
     for k in () if correction is None else correction.limited:
         notes.append(f"plane {job.planes[k].id} is at its limit of {job.fields.plane[k].max_mass_g:g} g")
     if result.ambiguous:
@@ -114,17 +120,47 @@ def _on_coefficients(job: Job, result: Estimate, correction: InfluenceCorrection
             f"the coefficients have condition {correction.condition:.3g}, above {CONDITION_WARNING:g}: errors of the "
             "readings may show in the weights so many times larger"
         )
-    readings = job.vibrations
-    spread = _standard(job, readings)
-    base = readings[-1] - result.coefficients @ result.mounted[-1]
-    stray = np.abs(readings - base - result.mounted @ result.coefficients.T)[:-1] / np.maximum(spread[:-1], 1e-300)
-    if not any(run.indexed for run in job.runs) and stray.size and stray.max() > _STRAY * math.sqrt(2.0):
-        run, channel = np.unravel_index(int(stray.argmax()), stray.shape)
-        notes.append(
-            f"the runs contradict each other: {job.channels[channel]} of run {job.runs[run].id} is off by "
-            f"{stray.max():.2g} standard uncertainties; the machine is not linear, or something has moved"
-        )
     return notes
+
+
+def _on_contradictions(job: Job, result: Estimate) -> list[str]:
+    """Name the run that is farthest off what the last one, and the weights between them, say of it."""
+    readings = job.vibrations if job.by_phase else job.amplitudes.astype(complex)
+    spread = _standard(job, readings)
+    if result.tooling is not None or len(readings) < 2:
+        return []
+    if result.coefficients is None:
+        (fit, *_), others = result.fits, np.zeros_like(spread)
+        expected = fit.sensitivity * np.abs(fit.unbalance + result.mounted)
+    else:
+        between = result.mounted - result.mounted[-1]
+        expected = readings[-1] + between @ result.coefficients.T
+        others = np.hypot(spread[-1], _of_weights(job, result))
+        if job.fields.coefficients is not None:
+            others = np.hypot(others, np.abs(between) @ result.coefficient_uncertainty.T)
+    stray = (np.abs(readings - expected) / np.maximum(np.hypot(spread, others), 1e-300))[: -1 if job.by_phase else None]
+    if stray.max() <= _STRAY:
+        return []
+    run, channel = np.unravel_index(int(stray.argmax()), stray.shape)
+    off = f"{stray.max():.{1 if stray.max() < 10 else 0}f}"
+    return [
+        f"the runs contradict each other: {job.channels[channel]} of run {job.runs[run].id} is off by {off} standard "
+        "uncertainties; the machine is not linear, something has moved, or a weight is not as stated (what was taken "
+        "away is negative)"
+    ]
+
+
+def _of_weights(job: Job, result: Estimate) -> Float:
+    """Return what readings are off by as weights are, (runs, channels) standard, from those of the last run."""
+    assert result.coefficients is not None
+    stated, squares = job.fields.uncertainty, np.zeros((len(job.runs), len(job.channels)))
+    for number, (_, plane, weight, _) in enumerate(job.weights):
+        alone = np.zeros(len(job.weights), complex)
+        alone[number] = weight
+        mounted = mounted_weights(job, alone)[0][:, plane]
+        squares += np.abs((mounted - mounted[-1])[:, None] * result.coefficients[:, plane]) ** 2
+    spread: Float = np.sqrt(squares * (stated.mass**2 + math.radians(stated.angle) ** 2) / 2.0) / math.sqrt(3.0)
+    return spread
 
 
 def _standard(job: Job, readings: Complex) -> Float:

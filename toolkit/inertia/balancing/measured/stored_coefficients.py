@@ -14,14 +14,14 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.balancing.measured.job import Job
+from inertia.balancing.measured.unbalance_units import unbalance_unit
 from inertia.balancing.measured.vibration_units import vibration_unit
-from inertia.balancing.shop_units import GRAM_MILLIMETRE
+from inertia.balancing.shop_units import GRAM_MILLIMETRE, OUNCE_INCH
 from inertia.balancing.unbalance import Complex
 from inertia.documents import (
     Document,
     FieldError,
     Section,
-    choice,
     layout_version,
     number,
     plain,
@@ -33,6 +33,7 @@ from inertia.errors import UsageError
 from inertia.records import dataclass
 
 _GRAM = 1e-3
+_WEIGHTS = {"g": _GRAM, "g·mm": GRAM_MILLIMETRE, "oz·in": OUNCE_INCH}
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +74,7 @@ class CoefficientsFields(Section):
     section: ClassVar[str] = ""
 
     coefficient: Annotated[tuple[CoefficientFields, ...], tables(CoefficientFields, least=1)]
-    weights: Annotated[Literal["g·mm", "g"], choice("g·mm", "g")]
+    weights: Annotated[Literal["g·mm", "oz·in", "g"], unbalance_unit("g")]
     schema: Annotated[int, layout_version(1)] = 1
     machine: Annotated[str | None, text] = None
     date: Annotated[str | None, text] = None
@@ -135,7 +136,7 @@ class StoredCoefficients(Document):
                 f"{'g' if job.weighed_alone else 'g·mm'}: {'give' if job.weighed_alone else 'leave out'} the radius of "
                 "every plane"
             )
-        per = _GRAM if job.weighed_alone else GRAM_MILLIMETRE
+        per = _WEIGHTS[self.fields.weights]
         entries = {(one.sensor, one.rpm, one.plane): (k, one) for k, one in enumerate(self.fields.coefficient)}
         values = np.zeros((len(job.channels), len(job.planes)), complex)
         errors = np.zeros(values.shape)

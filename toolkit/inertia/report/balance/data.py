@@ -46,7 +46,10 @@ KINDS: dict[Kind, str] = {
 
 @dataclass(frozen=True)
 class BodyRow:
-    """A body of the rotor, and the file that it comes from: kg/m³, kg, and mm that its chords may be off."""
+    """A body of the rotor, and the file that it comes from: kg/m³, kg, and mm that its chords may be off.
+
+    Of density and mass as given also the standard uncertainty; 0 where none is given.
+    """
 
     name: str
     path: str | None
@@ -58,6 +61,8 @@ class BodyRow:
     triangles: int
     chord: float
     chord_from: ChordFrom
+    density_uncertainty: float = 0.0
+    mass_uncertainty: float = 0.0
 
 
 @dataclass(frozen=True)

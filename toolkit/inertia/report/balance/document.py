@@ -13,6 +13,7 @@ from inertia.balancing.axis.location import Candidate
 from inertia.balancing.shop_units import GRAM_MILLIMETRE, GRAM_SQUARE_MILLIMETRE, in_degrees, in_gmm
 from inertia.documents import plain
 from inertia.report.balance.data import MM, BodyRow, OperationRow, ReportData, State
+from inertia.report.numerals import converted
 from inertia.tables import csv_text
 
 Document = dict[str, Any]
@@ -44,7 +45,7 @@ def balance_document(data: ReportData) -> Document:
         if data.indexing is None
         else {
             "names": list(data.indexing.names),
-            "turned_deg": [math.degrees(turn) for turn in data.indexing.turns],
+            "turned_deg": [converted(math.degrees(turn)) for turn in data.indexing.turns],
             "moves": [{"part": part, "place_of": other} for part, other in data.indexing.moves],
             "tolerance_planes_as_filed": [_vector(value) for value in data.indexing.planes_as_filed],
             "tolerance_planes_left": [_vector(value) for value in data.indexing.planes_left],
@@ -136,7 +137,7 @@ def _row(names: tuple[str, ...], entry: Document) -> list[object]:
 
 
 def _mm(values: list[float]) -> list[float]:
-    return [MM * value for value in values]
+    return [converted(MM * value) for value in values]
 
 
 def _vector(value: complex) -> Document:

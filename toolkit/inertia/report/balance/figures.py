@@ -29,6 +29,7 @@ from inertia.report.balance.data import (
     State,
     Vectors,
 )
+from inertia.report.numerals import converted
 
 
 def report_data(balance: Balance, date: str | None = None) -> ReportData:
@@ -52,7 +53,7 @@ def report_data(balance: Balance, date: str | None = None) -> ReportData:
         parts=tuple(body.part for body in balance.bodies),
         axis=balance.axis,
         zero_mark=rotor.fields.axis.zero_mark,
-        radial_uncertainty=MM * rotor.radial_uncertainty,
+        radial_uncertainty=converted(MM * rotor.radial_uncertainty),
         keys=rotor.fields.key,
         metres=float(rotor.unit.metres),
         service=rotor.fields.service,
@@ -126,9 +127,11 @@ def _body(body: RotorBody) -> BodyRow:
         unit=body.part.unit.name,
         density=body.density,
         density_from=analysis.density_from,
+        density_uncertainty=body.density * body.relative("density"),
         mass=analysis.properties.mass,
+        mass_uncertainty=analysis.properties.mass * body.relative("mass"),
         triangles=analysis.triangles,
-        chord=MM * body.chord,
+        chord=converted(MM * body.chord),
         chord_from=body.chord_from,
     )
 
@@ -137,7 +140,7 @@ def _bearing(balance: Balance, number: int) -> BearingRow:
     plane, shares = balance.verdict.planes[number], balance.tolerance.shares
     return BearingRow(
         name=plane.name,
-        z=MM * balance.tolerance_planes[number],
+        z=converted(MM * balance.tolerance_planes[number]),
         permissible=plane.permissible,
         share=None if shares is None else shares[number],
         residual_95=float(balance.scatter.residual_95[number]),
@@ -146,12 +149,11 @@ def _bearing(balance: Balance, number: int) -> BearingRow:
 
 
 def _planes(balance: Balance) -> tuple[PlaneRow, ...]:
-    rows = {plane.id: PlaneRow(plane.id, MM * plane.z) for plane in balance.planes}
+    rows = {plane.id: PlaneRow(plane.id, converted(MM * plane.z)) for plane in balance.planes}
     for plane in balance.correction_planes:
-        sectors = tuple((math.degrees(k.start) % 360.0, math.degrees(k.stop) % 360.0) for k in plane.forbidden)
-        rows[plane.id] = PlaneRow(
-            plane.id, rows[plane.id].z, plane.method, MM * plane.radius, plane.face, sectors, MM * plane.entry
-        )
+        sectors = tuple((_turned(k.start), _turned(k.stop)) for k in plane.forbidden)
+        radius, entry = converted(MM * plane.radius), converted(MM * plane.entry)
+        rows[plane.id] = PlaneRow(plane.id, rows[plane.id].z, plane.method, radius, plane.face, sectors, entry)
     return tuple(rows.values())
 
 
@@ -206,7 +208,7 @@ def _operations(balance: Balance) -> tuple[OperationRow, ...]:
 
 
 def _operation(balance: Balance, work: Operation, rates: Mapping[str, float]) -> OperationRow:
-    angle = math.degrees(work.angle)
+    angle = converted(math.degrees(work.angle))
     turned = balance.rotor.fields.report.machine_angles == "cw"
     ends = None if work.half_angle is None else _ends(angle, math.degrees(work.half_angle))
     depth = rates.get(f"{work.id}: depth")
@@ -215,18 +217,18 @@ def _operation(balance: Balance, work: Operation, rates: Mapping[str, float]) ->
         plane=work.plane,
         method=work.method,
         kind=work.kind,
-        z=MM * work.z,
+        z=converted(MM * work.z),
         angle=angle,
         machine_angle=-angle % 360.0 if turned else angle,
-        radius=MM * work.radius,
-        mass=1e3 * work.mass,
+        radius=converted(MM * work.radius),
+        mass=converted(1e3 * work.mass),
         unbalance=work.unbalance,
         diameter=_mm(work.tool_diameter),
-        point=None if work.point_angle is None else math.degrees(work.point_angle),
+        point=None if work.point_angle is None else converted(math.degrees(work.point_angle)),
         depth=_mm(work.depth),
-        depth_tolerance=None if work.depth is None else MM * balance.rotor.shop.depth.total,
+        depth_tolerance=None if work.depth is None else converted(MM * balance.rotor.shop.depth.total),
         width=_mm(work.width),
-        arc=None if work.arc is None else math.degrees(work.arc),
+        arc=None if work.arc is None else converted(math.degrees(work.arc)),
         ends=ends,
         machine_ends=(-ends[1] % 360.0, -ends[0] % 360.0) if ends is not None and turned else ends,
         passes=work.passes,
@@ -239,8 +241,12 @@ def _operation(balance: Balance, work: Operation, rates: Mapping[str, float]) ->
 
 
 def _ends(angle: float, half: float) -> tuple[float, float]:
-    return (angle - half) % 360.0, (angle + half) % 360.0
+    return converted((angle - half) % 360.0), converted((angle + half) % 360.0)
+
+
+def _turned(angle: float) -> float:
+    return converted(math.degrees(angle) % 360.0)
 
 
 def _mm(length: float | None) -> float | None:
-    return None if length is None else MM * length
+    return None if length is None else converted(MM * length)

@@ -57,11 +57,15 @@ def _body(body: BodyRow) -> str:
         "mesh": f"facets within {body.chord:.3g} mm of the true surface",
         "exact": "taken as the true shape",
     }
-    density = f"{number(body.density)} kg/m³ {_DENSITY_FROM[body.density_from]}"
+    mass = _uncertain(body.mass, body.mass_uncertainty)
+    density = f"{_uncertain(body.density, body.density_uncertainty)} kg/m³ {_DENSITY_FROM[body.density_from]}"
     file = "" if body.path is None or Path(body.path).name == body.name else f" ({Path(body.path).name})"
-    return (
-        f"{body.name}{file}: {number(body.mass)} kg, {density}, {body.triangles} triangles, {chords[body.chord_from]}"
-    )
+    return f"{body.name}{file}: {mass} kg, {density}, {body.triangles} triangles, {chords[body.chord_from]}"
+
+
+def _uncertain(value: float, uncertainty: float) -> str:
+    """Return a value with its standard uncertainty, as it was given."""
+    return number(value) + (f" ± {number(uncertainty)}" if uncertainty else "")
 
 
 def _axis(data: ReportData) -> Iterator[str]:

@@ -16,6 +16,7 @@ from inertia.report.measurement.text import (
     mounted_text,
     pieces_text,
     reading_text,
+    uncertainty_text,
     weight_text,
     work_text,
 )
@@ -39,7 +40,7 @@ def certificate_html(result: Measurement) -> str:
     environment = templates(
         "inertia.report.measurement",
         significant=significant, reading=reading_text, weight=weight_text, mounted=mounted_text, pieces=pieces_text,
-        work=work_text,
+        work=work_text, uncertainty=uncertainty_text,
     )  # fmt: skip
     document = measurement_document(result)
     return environment.get_template("certificate.html.j2").render(
@@ -84,7 +85,9 @@ def _plots(result: Measurement) -> Iterator[Markup]:
     first = result.runs[0].unbalance if len(result.runs) > 1 else None
     for k, plane in enumerate(result.planes):
         arrows = [] if first is None else [Arrow(complex(first[k]) / per, "before")]
-        arrows.append(Arrow(plane.unbalance / per, "after", plane.expanded / per))
+        # Without a bound there is no disc that could be drawn.
+        uncertainty = plane.expanded / per if math.isfinite(plane.expanded) else 0.0
+        arrows.append(Arrow(plane.unbalance / per, "after", uncertainty))
         tolerance = None if plane.permissible is None else plane.permissible / per
         if any(math.isfinite(abs(arrow.vector)) and arrow.vector for arrow in arrows):
             yield polar(f"plane {plane.plane.id}", arrows, tolerance=tolerance)

@@ -105,12 +105,19 @@ def _planes(document: Document) -> Iterator[str]:
     for plane in document["planes"]:
         found = plane["unbalance"]
         limit = "" if plane["permissible_gmm"] is None else significant(plane["permissible_gmm"])
+        expanded = plane[f"expanded_uncertainty_{unit}"]
+        known, to_add = uncertainty_text(expanded), "nothing" if expanded is None else weight_text(plane["correction"])
         yield (
             f"{plane['id']:<14}{significant(found[unit]):>18}{fixed(found['deg'], 1) + '°':>9}"
-            f"{significant(plane[f'expanded_uncertainty_{unit}']):>11}{limit:>11}  {weight_text(plane['correction'])}"
+            f"{known:>11}{limit:>11}  {to_add}"
         )
     for k, tooling in enumerate(document["tooling"] or ()):
         yield row("Tooling" if not k else "", f"plane {document['planes'][k]['id']}: {weight_text(tooling)}")
+
+
+def uncertainty_text(uncertainty: float | None) -> str:
+    """Return an uncertainty, or that the readings set it no bound."""
+    return "no bound" if uncertainty is None else significant(uncertainty)
 
 
 def pieces_text(plane: Document) -> str:

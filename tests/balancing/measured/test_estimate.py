@@ -1,0 +1,176 @@
+"""The stated uncertainty of a measured unbalance where trial weights are small: against machines of our own."""
+
+import contextlib
+import json
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from inertia import GeometryError
+from inertia.balancing.measured.job import Job
+from inertia.balancing.measured.measure import measure
+from inertia.report.measurement.document import measurement_document
+from inertia.report.measurement.html import certificate_html
+from inertia.report.measurement.text import measurement_text
+from inertia_meshes import path
+
+SIZE = 500.0  # g mm, of the unbalance in every plane
+OFF = 0.02  # half-width of readings, as a part of them and rad, which is what is stated
+
+
+def job_of(matrix, unbalance, trials, random=None, **more):
+    """A job with one trial (g at 100 mm) a plane; readings with noise, evenly spread, or exact ones."""
+    planes = len(unbalance)
+    runs = []
+    for k, mass in enumerate([0.0, *trials]):
+        mounted = np.zeros(planes, complex)
+        weights = []
+        if k:
+            mounted[k - 1] = 100.0 * mass
+            weights = [{"plane": f"P{k - 1}", "mass_g": mass, "angle": 0.0}]
+        shown = matrix @ (unbalance + mounted)
+        if random is not None:
+            shown = shown * (1 + OFF * random.uniform(-1, 1, shown.shape))
+            shown = shown * np.exp(1j * OFF * random.uniform(-1, 1, shown.shape))
+        readings = [
+            {"sensor": f"S{j}", "amplitude": abs(v), "phase": math.degrees(np.angle(v)) % 360}
+            for j, v in enumerate(shown.tolist())
+        ]
+        runs.append({"id": str(k), "weights": weights, "readings": readings})
+    return Job.from_dict(
+        {
+            "rpm": 1500,
+            "conventions": {"angles": "with rotation", "phase": "lead"},
+            "uncertainty": {"amplitude": OFF, "phase": math.degrees(OFF), "mass": 0.0, "angle": 0.0},
+            "sensor": [{"id": f"S{j}", "unit": "mm/s"} for j in range(len(matrix))],
+            "plane": [{"id": f"P{k}", "radius": 100} | more for k in range(planes)],
+            "run": runs,
+        }
+    )
+
+
+def machine(random, planes, channels):
+    matrix = 1e-2 * (random.normal(size=(channels, planes)) + 1j * random.normal(size=(channels, planes)))
+    return matrix, SIZE * np.exp(2j * np.pi * random.random(planes))
+
+
+@pytest.mark.parametrize(("planes", "channels"), [(1, 1), (1, 3), (2, 2), (2, 4)])
+@pytest.mark.parametrize("trial", [0.1, 0.02, 0.001])
+def test_hopeless_trials_never_pass_nor_fail(planes, channels, trial):
+    # The unbalance is 3.3 times one limit, and less than the other: neither may be said.
+    random = np.random.default_rng([planes, channels])
+    for _ in range(12):
+        matrix, unbalance = machine(random, planes, channels)
+        for limit in (SIZE / 3.3, 1.05 * SIZE):
+            job = job_of(matrix, unbalance, [trial] * planes, random, permissible_gmm=limit)
+            result = measure(job)
+            assert result.outcome == "undecided"
+            assert not any(plane.pieces for plane in result.planes)
+            assert any("the readings do not bound the unbalance" in note for note in result.notes)
+
+
+@pytest.mark.parametrize("trial", [0.3, 0.5, 1.0, 3.0, 10.0])
+def test_what_passes_or_fails_by_a_small_trial_is_wrong_no_more_often_than_stated(trial):
+    random = np.random.default_rng(5)
+    wrong, judged = 0, 200
+    for _ in range(judged):
+        matrix, unbalance = machine(random, 1, 1)
+        (plane,) = measure(job_of(matrix, unbalance, [trial], random)).planes
+        size = 1e6 * abs(plane.unbalance)
+        wrong += size + 1e6 * plane.expanded < SIZE or size - 1e6 * plane.expanded > SIZE
+    assert wrong <= 0.05 * judged + 2 * math.sqrt(0.05 * 0.95 * judged)
+
+
+def test_the_uncertainty_never_falls_as_trials_get_smaller():
+    matrix, unbalance = machine(np.random.default_rng(3), 2, 2)
+    stated = [
+        [plane.expanded for plane in measure(job_of(matrix, unbalance, [trial, 8.0])).planes]
+        for trial in (30.0, 10.0, 3.0, 1.0, 0.5, 0.3, 0.1, 0.05, 0.01, 0.001)
+    ]
+    for larger, smaller in pairwise(stated):
+        assert all(after >= before for before, after in zip(larger, smaller, strict=True))
+    assert math.isfinite(stated[0][0])
+    assert math.isinf(stated[-1][0])
+
+
+@pytest.mark.parametrize("trial", [10.0, 3.0, 1.5])
+def test_the_uncertainty_is_that_of_draws_or_a_little_above(trial):
+    random = np.random.default_rng(11)
+    matrix, unbalance = np.array([[0.01 + 0.004j]]), np.array([SIZE * np.exp(1j)])
+    (plane,) = measure(job_of(matrix, unbalance, [trial])).planes
+    noise = [
+        (1 + OFF * random.uniform(-1, 1, 100_000)) * np.exp(1j * OFF * random.uniform(-1, 1, 100_000)) for _ in "12"
+    ]
+    before = matrix[0, 0] * unbalance[0] * noise[0]
+    after = matrix[0, 0] * (unbalance[0] + 100.0 * trial) * noise[1]
+    drawn = before * 100.0 * trial / (after - before)
+    off = np.percentile(np.abs(np.abs(drawn) - SIZE), 95)
+    assert 0.97 * off <= 1e6 * plane.expanded <= 1.5 * off
+
+
+@pytest.mark.parametrize(("unit", "size"), [("g.mm", 1.0), ("g·mm", 1.0), ("oz-in", 720.0779), ("oz*in", 720.0779)])
+def test_stored_coefficients_are_per_unit_of_their_weights(unit, size, tmp_path):
+    file = tmp_path / "coefficients.toml"
+    file.write_text(
+        f'weights = "{unit}"\n[[coefficient]]\nsensor = "S0"\nrpm = 1500\nplane = "P0"\nunit = "mm/s rms"\n'
+        f"amplitude = {0.01 * size}\nphase = 0\n",
+        encoding="utf-8",
+    )
+    table = job_of(np.array([[0.01 + 0j]]), np.array([20.0 + 0j]), []).to_dict() | {"coefficients": str(file)}
+    assert 1e6 * measure(Job.from_dict(table)).planes[0].unbalance == pytest.approx(20.0, rel=1e-6)
+
+
+def test_stored_coefficients_that_may_be_none_decide_nothing(tmp_path):
+    matrix, unbalance = np.array([[0.01 + 0j]]), np.array([20.0 + 0j])
+    for share, outcome in ((0.05, "pass"), (0.6, "undecided")):
+        file = tmp_path / f"{share}.toml"
+        file.write_text(
+            'weights = "g.mm"\n[[coefficient]]\nsensor = "S0"\nrpm = 1500\nplane = "P0"\nunit = "mm/s rms"\n'
+            f"amplitude = 0.01\nphase = 0\nuncertainty = {0.01 * share}\n",
+            encoding="utf-8",
+        )
+        table = job_of(matrix, unbalance, [], permissible_gmm=40).to_dict()
+        assert measure(Job.from_dict(table | {"coefficients": str(file)})).outcome == outcome
+
+
+@pytest.mark.parametrize("angles", [(0, 90), (0, 120, 240)])
+@pytest.mark.parametrize("trial", [0.02, 0.2])
+def test_without_phase_hopeless_trials_decide_nothing(angles, trial):
+    random = np.random.default_rng(8)
+    for _ in range(6):
+        runs = []
+        for k, angle in enumerate([None, *angles]):
+            weights = [] if angle is None else [{"plane": "P0", "mass_g": trial, "angle": angle}]
+            mounted = 0j if angle is None else 100 * trial * np.exp(1j * math.radians(angle))
+            size = 0.01 * abs(SIZE * np.exp(2j) + mounted) * (1 + OFF * random.uniform(-1, 1))
+            runs.append({"id": str(k), "weights": weights, "readings": [{"sensor": "S0", "amplitude": size}]})
+        table = job_of(np.array([[0.01]]), np.array([SIZE]), [], permissible_gmm=SIZE / 3.3).to_dict()
+        table |= {"method": "without phase", "run": runs, "conventions": {"angles": "with rotation"}}
+        outcome = "refused"
+        with contextlib.suppress(GeometryError):  # no unbalance explains the amplitudes
+            outcome = measure(Job.from_dict(table)).outcome
+        assert outcome in ("undecided", "refused")
+
+
+def test_no_bound_is_null_in_the_document_and_said_in_words():
+    matrix, unbalance = machine(np.random.default_rng(1), 1, 1)
+    result = measure(job_of(matrix, unbalance, [0.01], np.random.default_rng(2), permissible_gmm=100))
+    document = json.loads(json.dumps(measurement_document(result), allow_nan=False))
+    assert document["planes"][0]["expanded_uncertainty_gmm"] is None
+    assert "no bound" in measurement_text(result)
+    assert "no bound" in certificate_html(result)
+    assert "nan" not in certificate_html(result)
+
+
+def test_no_holes_are_planned_of_an_unbalance_without_bound():
+    matrix, unbalance = machine(np.random.default_rng(1), 2, 2)
+    table = job_of(matrix, unbalance, [0.01, 0.01], np.random.default_rng(2)).to_dict()
+    table |= {"rotor": str(path("rotors/two_disc_rotor.toml")), "plane": [{"id": "I"}, {"id": "II"}]}
+    for run in table["run"]:
+        for weight in run.get("weights", ()):
+            weight["plane"] = {"P0": "I", "P1": "II"}[weight["plane"]]
+    result = measure(Job.from_dict(table))
+    assert (result.outcome, result.balance) == ("undecided", None)
+    assert "bearings: the readings do not bound the unbalance: UNDECIDED" in result.why
