@@ -223,8 +223,8 @@ README = (
         partial(_hole, 1),
     ),
     Claim("README.md", "over 99.8 % of parts within tolerance, 95 % asked for", _within),
-    Claim("README.md", "plane A: 0.09973 ± 0.6561 g·mm against 109.9 g·mm", partial(_residual, 0)),
-    Claim("README.md", "plane B: 0.7938 ± 0.9926 g·mm against 111 g·mm", partial(_residual, 1)),
+    Claim("README.md", "plane A: 0.09973 ± 0.6562 g·mm against 109.9 g·mm", partial(_residual, 0)),
+    Claim("README.md", "plane B: 0.7938 ± 0.9928 g·mm against 111 g·mm", partial(_residual, 1)),
     Claim("README.md", "attitude to ...e-14 rad, 1e-10 rad asked for", _attitude),
     Claim("README.md", "Flip period          2.996935953 s", printed(lambda: [oracles.flip_period()])),
     Claim(
