@@ -1,11 +1,13 @@
 """heyoka's Taylor method against the oracle, and without heyoka."""
 
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 from tests.dynamics.integrators.loaded import LOADS, TIMES, case
 
-from inertia.dynamics.integrators.heyoka_taylor import Heyoka
+from inertia.dynamics.integrators.heyoka_taylor import Heyoka, _compiled
 from inertia.errors import UsageError
 
 
@@ -19,7 +21,19 @@ def test_error_follows_the_tolerance(name: str) -> None:
     assert tight < loose < 1e-6
 
 
+def test_threads_do_not_share_a_motion_under_way() -> None:
+    pytest.importorskip("heyoka")
+    known = case("free")
+
+    def attitude(_: int) -> bytes:
+        return np.asarray(Heyoka().run(known.problem, TIMES, 1e-10).attitude).tobytes()
+
+    with ThreadPoolExecutor(4) as pool:
+        assert {*pool.map(attitude, range(200))} == {attitude(0)}
+
+
 def test_without_heyoka_its_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    _compiled.cache_clear()  # what an earlier test compiled needs no import
     monkeypatch.setitem(sys.modules, "heyoka", None)
     with pytest.raises(UsageError, match=r"pip install 'inertia\[heyoka\]'"):
         Heyoka().run(case("free").problem, TIMES, 3.3e-7)

@@ -5,6 +5,7 @@ Biscani & Izzo, Mon. Not. R. Astron. Soc. 504 (2021) 2614.
 
 from __future__ import annotations
 
+import copy
 import functools
 from typing import Any
 
@@ -35,7 +36,7 @@ class Heyoka(Adaptive):
         """Return heyoka's integrator; the tolerance is rounded, so that fewer of them are compiled."""
         tolerance = float(10.0 ** np.round(np.log10(self.tolerance(control, level)), 1))
         units = piece.units
-        solver = _compiled(units.vectors, tolerance)
+        solver = copy.copy(_compiled(units.vectors, tolerance))  # another thread may be in one of the same form
         solver.pars[:] = np.concatenate([units.moments, units.packed])
         solver.time = 0.0
         solver.state[:] = state
