@@ -5,6 +5,7 @@ import csv
 import io
 import json
 import math
+import re
 import shutil
 from pathlib import Path
 
@@ -130,7 +131,7 @@ def test_the_certificate_says_who_what_and_with_what(capsys: pytest.CaptureFixtu
         "67.67 g·mm at 174.6°", "4197 g·mm at 39.8°", "25.24", "914.6", "trial I",
         "weights screwed on and secured", "0.042 ∠ 205.0°",
     ):  # fmt: skip
-        assert words in page, words
+        assert words in re.sub("<[^<>]*>", "", page), words
     assert "<script" not in page
     assert 'scope="row"' in page
     code, _, err = run(capsys, FAN, "--certificate", str(file))

@@ -161,6 +161,7 @@ def test_no_bound_is_null_in_the_document_and_said_in_words():
     assert document["planes"][0]["expanded_uncertainty_gmm"] is None
     assert "no bound" in measurement_text(result)
     assert "no bound" in certificate_html(result)
+    assert " uncertainty</span>" not in certificate_html(result)  # no disc is drawn that a legend could name
     assert "nan" not in certificate_html(result)
 
 

@@ -40,7 +40,7 @@ def certificate_html(result: Measurement) -> str:
     environment = templates(
         "inertia.report.measurement",
         significant=significant, reading=reading_text, weight=weight_text, mounted=mounted_text, pieces=pieces_text,
-        work=work_text, uncertainty=uncertainty_text,
+        work=work_text, uncertainty=uncertainty_text, breakable=_breakable,
     )  # fmt: skip
     document = measurement_document(result)
     return environment.get_template("certificate.html.j2").render(
@@ -52,7 +52,14 @@ def certificate_html(result: Measurement) -> str:
         machine_facts=list(_machine_facts(document)),
         plots=list(_plots(result)),
         keys={style: key(style) for style in ("before", "after", "tolerance", "disc")},
+        bounded=any(math.isfinite(plane.expanded) for plane in result.planes),
     )
+
+
+def _breakable(weight: Document) -> Markup:
+    """Return a weight at its angle whose line may break between its figures, not within one."""
+    figures = weight_text(weight).replace(" = ", "\n= ").replace(" at ", "\nat ").split("\n")
+    return Markup(" ").join(Markup("<span>{}</span>").format(figure) for figure in figures)
 
 
 def _facts(section: Document) -> Iterator[tuple[str, str]]:
