@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from inertia.dynamics.models.heavy.model import characteristics
 from inertia.dynamics.models.heavy.top import HeavyTop
 from inertia.errors import GeometryError, UsageError
 
@@ -255,3 +256,13 @@ def test_what_is_no_top_is_refused():
         HeavyTop(1.0, 0.5, math.nan, 0.0, 0.0, 3.0)
     with pytest.raises(UsageError, match="attitude is zero"):
         HeavyTop.of_state((1.0, 0.5), MGH, [0, 0, 0, 0], [0, 0, 1])
+
+
+WORDS = [(1.9, "it swings as a pendulum"), (2.1, "a pendulum that goes over the top")]
+
+
+@pytest.mark.parametrize(("rate", "words"), WORDS)
+def test_a_pendulum_that_goes_over_the_top_is_not_said_to_swing(rate: float, words: str) -> None:
+    """From below it takes I ω²/2 = 2 mgh to reach the top: 2 rad/s here."""
+    top = HeavyTop.of_state((1.0, 0.5), 1.0, [1.0, 0.0, 0.0, 0.0], [rate, 0.0, 0.0])
+    assert characteristics(top)[1][0].endswith(f"{words}.")

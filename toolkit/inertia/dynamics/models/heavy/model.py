@@ -35,6 +35,7 @@ _NUTATION = {
     "sleeping": "the top sleeps: its axis stays vertical",
     "steady precession": "its axis keeps its tilt: a steady precession",
     "pendulum": "it has no angular momentum along the vertical or its axis: it swings as a pendulum",
+    "over the top": "it has no angular momentum along the vertical or its axis: a pendulum that goes over the top",
     "cusp": "its axis stops at the top of every nod: the path has cusps",
     "loops": "its axis moves backwards at the top of every nod: the path has loops",
     "no reversal": "its axis moves on all the time: the path is a wave without cusps or loops",
@@ -123,7 +124,8 @@ def characteristics(top: HeavyTop) -> tuple[dict[str, Float], tuple[str, ...]]:
     >>> characteristics(top)[1][0]
     'Seen from the fixed point, its axis stops at the top of every nod: the path has cusps.'
     """
-    remarks = [f"Seen from the fixed point, {_NUTATION[top.kind]}."]
+    kind = "over the top" if top.kind == "pendulum" and top.energy > abs(top.mgh) else top.kind
+    remarks = [f"Seen from the fixed point, {_NUTATION[kind]}."]
     figures = {}
     tilt = top.turning_angles[0]
     if 0 < tilt < math.pi:
