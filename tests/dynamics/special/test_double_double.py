@@ -61,12 +61,13 @@ def test_arrays_give_the_bits_of_floats(numbers: list[tuple[double_double.Pair, 
             assert operation(p, q) == (answer[0][k], answer[1][k])
 
 
-@pytest.mark.parametrize("turns", [0, 1, 10**9, -(10**12)])
+@pytest.mark.parametrize("turns", [0, 1, 10**9, -(10**12), 2**54 + 3, -(10**18) - 1])
 def test_reduction_leaves_a_phase_its_digits_after_any_number_of_turns(turns: int) -> None:
     with mp.workdps(60):
         phase = 2 * mp.pi * turns + mp.mpf(0.25)
         pair = float(phase), float(phase - mp.mpf(float(phase)))
         period = 2.0 * double_double.PI[0], 2.0 * double_double.PI[1]
         count, left = double_double.reduce((np.array(pair[0]), np.array(pair[1])), period)
-    assert float(count) == turns
+    assert int(count[0]) + int(count[1]) == turns
+    assert float(double_double.modulo(count, 4.0)) == turns % 4
     assert float(left[0]) == pytest.approx(0.25, abs=1e-18 + 1e-31 * abs(turns))

@@ -51,6 +51,15 @@ def test_error_does_not_grow_with_the_number_of_revolutions(spin: tuple[float, .
     check((1.0, 1.7, 2.2), spin, [0.0, 1.0, -123.4, 1e3, MILLION_TURNS, 1e3 * MILLION_TURNS], 3e-15)
 
 
+@pytest.mark.parametrize(
+    ("moments", "spin"), [((0.1, 0.7, 0.75), (3.0, 2.0, 0.1)), ((1.0, 1.7, 2.2), (1.0, 0.4, -0.3))]
+)
+def test_half_periods_are_told_apart_beyond_the_whole_numbers_of_float64(
+    moments: tuple[float, ...], spin: tuple[float, ...]
+) -> None:
+    check(moments, spin, np.linspace(1.1e16, 1e18, 12).tolist(), 1e-11)
+
+
 @pytest.mark.parametrize("order", list(permutations(range(3))))
 def test_moments_may_come_in_any_order(order: tuple[int, ...]) -> None:
     moments, spin = (1.0, 1.7, 2.2), (0.4, -0.8, 0.5)

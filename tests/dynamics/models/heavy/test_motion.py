@@ -100,6 +100,16 @@ def test_the_error_does_not_grow_with_the_time(mgh, half_angle, spin):
     assert attitude_error(motion.attitude, let_go(MOMENTS, mgh, half_angle, spin, times)) <= motion.reached < 2e-14
 
 
+@pytest.mark.parametrize(
+    ("mgh", "half_angle", "spin"), [(2.0, (0.35, 0.9), 8.0), (2.0, (0.35, 0.9), 0.3), (2.0, (1e-5, 1.0), 5.6)]
+)
+def test_periods_are_told_apart_beyond_the_whole_numbers_of_float64(mgh, half_angle, spin):
+    times = np.linspace(2e16, 6e17, 12)
+    s, c = half_angle
+    motion = solve_heavy_top(MOMENTS, mgh, [s, 0, 0, c], [0, 0, spin], times)
+    assert attitude_error(motion.attitude, let_go(MOMENTS, mgh, half_angle, spin, times)) <= motion.reached < 1e-11
+
+
 def test_the_quadratures_agree_with_taylor_series():
     times = [0.0, 1.3, 4.0]
     truth = followed(MOMENTS, 2.0, [0.35, 0, 0, 0.9], [0, 0, 8.0], times)

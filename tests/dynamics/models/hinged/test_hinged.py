@@ -198,6 +198,20 @@ def test_a_pendulum_that_is_let_go_near_its_upper_rest_is_known_to_the_last_digi
     assert off <= run.error.reached < 1e-13
 
 
+@pytest.mark.parametrize("duration", [1e9, 2e16, 3e16, 1.3e17, 5e17])
+def test_a_pendulum_swings_to_its_own_side_after_any_number_of_periods(duration: float) -> None:
+    run = hinged(BAR | {"center_of_mass": [0.0, 0.0, -0.5]}, [3.0, 0.0, 0.0], duration, [GRAVITY], samples=2)
+    with mpmath.workdps(60):  # from its lowest point: sin ½θ = k sn(ω₀ t), θ̇ = 2 k ω₀ cn
+        natural = mpmath.sqrt(mpmath.mpf(0.5) * mpmath.mpf(9.80665) / (mpmath.mpf(0.0834) + mpmath.mpf(0.25)))
+        modulus = mpmath.mpf(3) / (2 * natural)
+        within = mpmath.fmod(natural * mpmath.mpf(duration), 4 * mpmath.ellipk(modulus**2))
+        sn, cn = (mpmath.ellipfun(kind, within, m=modulus**2) for kind in ("sn", "cn"))
+        angle, rate = 2 * mpmath.asin(modulus * sn), 3 * cn
+    assert run.quantities["angle"][-1] == pytest.approx(float(angle), abs=run.error.reached)
+    assert run.angular_velocity[-1, 0] == pytest.approx(float(rate), abs=3e-12)
+    assert run.error.reached < 1e-12
+
+
 def test_a_pendulum_that_is_off_by_less_than_is_followed_claims_nothing_once_that_has_grown() -> None:
     up = BAR | {"center_of_mass": [0.0, 0.0, 0.5]}
     assert hinged(up, [0.0, 0.0, 0.0], 40.0, [GRAVITY], tilt=1e-100).error.reached < 1e-13

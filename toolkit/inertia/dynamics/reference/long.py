@@ -116,7 +116,7 @@ def turn_of(angle: Number) -> tuple[Number, Number]:
         sine, versed = 2.0 * sine * (1.0 - versed), 2.0 * sine * sine
     cosine = 1.0 - versed
     turned = [(sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine)]
-    which = np.asarray(quarters).astype(int) % 4
+    which = np.asarray(pairs.modulo(quarters, 4.0)).astype(int)
     return tuple(  # type: ignore[return-value]
         Long(*(np.choose(which, [getattr(each[k], part) for each in turned]) for part in ("high", "low")))
         for k in (0, 1)

@@ -93,11 +93,24 @@ def square_root(x: Pair) -> Pair:
     return high, rest - (high - root)
 
 
-def reduce(x: Pair, period: Pair) -> tuple[Number, Pair]:
-    """Return the whole number of periods nearest to x / period, and what is left of x, within half a period."""
+def reduce(x: Pair, period: Pair) -> tuple[Pair, Pair]:
+    """Return the whole number of periods nearest to x / period, and what is left of x, within half a period.
+
+    The number is a sum of two whole ones, as beyond 2⁵³ a float64 does not tell odd from even: see `modulo`, `several`.
+    """
     count = rint(x[0] / period[0])
     rest = add(x, minus(times(period, count)))
-    if anywhere(abs(count) > _MANY):  # such a quotient is rounded by more than a millionth
-        again = rint(rest[0] / period[0])
-        count, rest = count + again, add(rest, minus(times(period, again)))
-    return count, rest
+    if not anywhere(abs(count) > _MANY):
+        return of(count), rest
+    again = rint(rest[0] / period[0])  # as such a quotient is rounded by more than a millionth
+    return (count, again), add(rest, minus(times(period, again)))
+
+
+def modulo(count: Pair, small: float) -> Number:
+    """Return what division of a whole number by a small one leaves."""
+    return (count[0] % small + count[1] % small) % small
+
+
+def several(x: Pair, count: Pair) -> Pair:
+    """Return x times a whole number."""
+    return add(times(x, count[0]), times(x, count[1]))

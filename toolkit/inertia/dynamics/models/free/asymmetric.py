@@ -37,8 +37,10 @@ from inertia.dynamics.special.double_double import (
     add,
     divide,
     minus,
+    modulo,
     multiply,
     reduce,
+    several,
     square_root,
     times,
 )
@@ -161,13 +163,13 @@ def evaluate(motion: ClosedForm, time: Float) -> tuple[Float, Float]:
     u0, *at_start, j0 = motion.start
     count, u = reduce(add(times(motion.rate, t), (u0, 0.0)), motion.half_period)
     sn, cn, dn = elliptic.sncndn(u[0] + u[1], motion.mc)
-    _, phase = reduce(add(times(motion.precession, t), times(motion.turn, count)), _FOUR_PI)
+    _, phase = reduce(add(times(motion.precession, t), several(motion.turn, count)), _FOUR_PI)
     half = 0.5 * (phase[0] + motion.share * (elliptic.third_kind(sn, cn, dn, motion.mc, motion.n) - j0))
     turn = cos(half) + 1j * sin(half)
-    count = count % 4  # half periods, each of which turns sn and cn over: about k, half a turn of the frame
-    odd = count % 2
+    halves = modulo(count, 4.0)  # half periods, each of which turns sn and cn over: about k, half a turn of the frame
+    odd = halves % 2
     sign = 1.0 - 2.0 * odd
-    quarter = where(motion.about_k, (1.0 - odd) * (1.0 - count) + 1j * (odd * (2.0 - count)), 1.0)
+    quarter = where(motion.about_k, (1.0 - odd) * (1.0 - halves) + 1j * (odd * (2.0 - halves)), 1.0)
     x, y, z = _momentum(motion, (sn, cn, dn), where(motion.about_k, 1.0, sign))
     a, b = _towards(x, y, z)
     a, b = turn * quarter.conjugate() * a, turn * quarter * b

@@ -47,9 +47,11 @@ def follow(
         (at_start,), (rising,) = _shape(parameter, np.array([nutation.start]), nutation.mc)
         constant = value * at_start.conjugate() + slope * rising.conjugate()  # either of the two may vanish
         constant /= abs(constant) or 1.0
-        turn = constant * np.exp(1j * (_phase(parameter.rate, time) + _phase(parameter.advance, count)))
+        phase = _phase(double_double.times(parameter.rate, time))
+        phase = phase + _phase(double_double.several(parameter.advance, count))
+        turn = constant * np.exp(1j * phase)
         if parameter.alternates:
-            turn = turn * (1.0 - 2.0 * np.mod(count, 2.0))
+            turn = turn * (1.0 - 2.0 * double_double.modulo(count, 2.0))
         shape, derivative = _shape(parameter, w, nutation.mc)
         values.append(turn * shape)
         derivatives.append(turn * derivative)
@@ -90,19 +92,19 @@ def against_vertical(attitude: Float, omega: Float) -> tuple[Float, Float, Float
     return (z * z + w * w) - (x * x + y * y), np.hypot(g1, g2), omega[:, 0] * g1 + omega[:, 1] * g2
 
 
-def _argument(nutation: Nutation, time: Float) -> tuple[Float, Float]:
+def _argument(nutation: Nutation, time: Float) -> tuple[Pair, Float]:
     """Return the whole periods 2K in w, and the rest, −K … K."""
     if not nutation.cycles[0]:
-        return np.zeros_like(time), np.clip(nutation.start + nutation.rate * time, -_FAR, _FAR)
+        return double_double.of(np.zeros_like(time)), np.clip(nutation.start + nutation.rate * time, -_FAR, _FAR)
     start = double_double.of(nutation.start / (2.0 * nutation.quarter))
     cycles = double_double.add(double_double.times(nutation.cycles, time), start)
     count, rest = double_double.reduce(cycles, (1.0, 0.0))
     return count, (rest[0] + rest[1]) * (2.0 * nutation.quarter)
 
 
-def _phase(rate: Pair, number: Float) -> Float:
-    """Return rate × number in rad, reduced to one turn in double-double."""
-    _, rest = double_double.reduce(double_double.times(rate, number), _TURN)
+def _phase(angle: Pair) -> Float:
+    """Return an angle in rad, reduced to one turn in double-double."""
+    _, rest = double_double.reduce(angle, _TURN)
     return np.asarray(rest[0] + rest[1])
 
 

@@ -8,14 +8,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.computing_time import Watch
 from inertia.dynamics.models.rational import root
+from inertia.dynamics.special import double_double
 from inertia.errors import GeometryError
 from inertia.records import dataclass
+
+if TYPE_CHECKING:
+    from inertia.dynamics.models.heavy.nutation import Nutation
 
 _EPS = 2.0**-52
 _ORDER = 24
@@ -209,12 +214,18 @@ def _pendulum(figures: Figures, time: Float) -> _Solution:
         if inertia * spin * spin > 2 * (pull - sine):  # it goes over the top, once in every period
             middle = _TURN * nutation.cycles[0] * since
         else:
-            middle = (
-                0.25 * _TURN * np.sign(np.sin(math.pi * nutation.cycles[0] * since) if nutation.cycles[0] else since)
-            )
+            middle = 0.25 * _TURN * np.sign(_side(nutation, time) if nutation.cycles[0] else since)
         whole = np.round((math.copysign(1.0, forwards) * middle - np.concatenate([[0.0], angle]) - from_lowest) / _TURN)
         angle = angle + _TURN * (whole[1:] - whole[0])
     return angle, motion.angular_velocity[:, 0], turn, motion.reached + 4.0 * _EPS
+
+
+def _side(nutation: Nutation, time: Float) -> Float:
+    """Return numbers (1 + n,) of the sign of the angle from the lowest point, at the start and at times (n,)."""
+    begun = double_double.of(nutation.start / (2.0 * nutation.quarter))
+    cycles = double_double.add(double_double.times(nutation.cycles, np.concatenate([[0.0], time])), begun)
+    _, (side, _) = double_double.reduce(cycles, (2.0, 0.0))
+    return np.asarray(side)
 
 
 def _stepped(figures: Figures, time: Float) -> _Solution:
