@@ -325,6 +325,24 @@ def test_a_limit_is_judged_by_the_interval_of_95_percent(
     assert Limit("mass", 1.0, low, high, u, 0.0).verdict == verdict
 
 
+@pytest.mark.parametrize(
+    ("masses", "what", "limit", "verdict"),
+    [
+        ((0.1, 0.2), "mass", {"max": 0.3}, "pass"),
+        ((0.1,) * 10, "mass", {"min": 1.0, "max": 1.0}, "pass"),
+        ((1.0,), "mass", {"max": 1.0}, "pass"),
+        ((1.0, 1.0), "inertia.yy/inertia.zz", {"min": 1.0}, "pass"),
+        ((0.1, 0.2), "mass", {"max": 0.2999999999999}, "fail"),
+        ((0.1, "0.2±0.001"), "mass", {"max": 0.3}, "undecided"),
+    ],
+)
+def test_what_equals_a_limit_in_decimals_is_within_it(
+    masses: tuple[float | str, ...], what: str, limit: dict[str, float], verdict: str
+) -> None:
+    points = [{"name": f"p{k}", "shape": "point", "mass": mass, "at": [k, 0, 0]} for k, mass in enumerate(masses)]
+    assert budget_of(*points, limit=[{"what": what, **limit}]).verdict == verdict
+
+
 def test_limits_are_on_what_the_file_names() -> None:
     point = {"name": "p", "shape": "point", "mass": "1±0.01", "at": [20, 0, 0], "allowance": 0.1}
     whole = budget_of(

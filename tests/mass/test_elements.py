@@ -270,3 +270,22 @@ def test_flatness_is_held_to_its_tolerance_from_both_sides(lift: float, fits: bo
     else:
         with pytest.raises(GeometryError, match="off the plane"):
             lamina(outline, 1.0)
+
+
+@pytest.mark.parametrize("first", range(4))
+@pytest.mark.parametrize("turn", [np.eye(3), np.linalg.qr([[1.0, 1, 0.3], [-1, 1, 0.5], [0.4, -0.2, 1]])[0]])
+def test_an_outline_that_crosses_itself_is_refused(first: int, turn: np.ndarray) -> None:
+    bow = np.roll([[0, 0, 0], [4, 4, 0], [4, 0, 0], [0, 1, 0]], first, axis=0)
+    with pytest.raises(GeometryError, match=r"crosses itself: its edges from corners \d and \d on"):
+        lamina(bow @ turn, 1.0)
+
+
+def test_an_outline_may_run_along_itself_around_a_hole() -> None:
+    square, hole = (
+        np.array([[0, 0], [3, 0], [3, 3], [0, 3], [0, 0]]),
+        np.array([[1, 1], [1, 2], [2, 2], [2, 1], [1, 1]]),
+    )
+    plate, filling = lamina(np.concatenate([square, hole]), 2.0), lamina(hole[:4], 2.0)
+    assert plate.mass == 16.0
+    whole = lamina(square[:4], 2.0)
+    assert (plate + filling).inertia == pytest.approx(whole.inertia, rel=1e-15)

@@ -12,6 +12,7 @@ from tests.mass.spectra import angle, eigenvalues, frame, plus
 from tests.mass.spectra import turned as exactly_turned
 
 from inertia.errors import GeometryError, UsageError
+from inertia.mass.elements import point_masses
 from inertia.mass.principal import CLASS_TOLERANCE, Principal, principal, radii_of_gyration
 from inertia.mass.properties import MassProperties
 
@@ -312,3 +313,15 @@ def test_the_equivalent_of_a_unit_cube_is_a_ball_of_the_same_moments() -> None:
 
 def test_the_equivalent_of_a_lamina_is_flat() -> None:
     assert equivalent_ellipsoid([1.0, 2.0, 3.0], 2.5).tolist() == pytest.approx([2.0, np.sqrt(2), 0.0])
+
+
+def test_a_decomposition_cannot_be_written_over() -> None:
+    body = point_masses(np.diag([1.0, 2.0, 3.0]), [1.0, 1.0, 1.0])
+    for array in (
+        body.principal_moments,
+        body.principal_axes,
+        body.principal.moment_bounds,
+        body.principal.axis_bounds,
+    ):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0.0

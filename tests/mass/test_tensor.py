@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from inertia.errors import UsageError
+from inertia.mass.principal import principal
 from inertia.mass.tensor import VALIDITY_TOLERANCE, array_of, faults, point_inertia, reexpress, rotation_of, steiner
 
 SCALES = [1e-30, 1.0, 1e30]
@@ -126,6 +127,19 @@ def test_what_is_no_rotation_is_refused(value: object, match: str) -> None:
 def test_what_is_no_array_of_the_shape_is_refused(call: Callable[[object], object], bad: object) -> None:
     with pytest.raises(UsageError):
         call(bad)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [principal, lambda it: reexpress(it, np.eye(3)), lambda it: steiner(it, 1, [0, 0, 0], about=[0] * 3, to=[1] * 3)],
+)
+@pytest.mark.parametrize("scale", [1e-250, 1.0, 1e300])
+def test_a_tensor_whose_mirrored_elements_differ_is_refused(call: Callable[[object], object], scale: float) -> None:
+    tensor = scale * np.array([[2.0, 0.1, 0.0], [0.1, 3.0, 0.0], [0.0, 0.0, 4.0]])
+    call(tensor + np.triu(1e-10 * tensor, 1))
+    tensor[0, 1] = -tensor[1, 0]
+    with pytest.raises(UsageError, match=r"not symmetric: -\S+ at \[0\]\[1\] and \S+ at \[1\]\[0\]"):
+        call(tensor)
 
 
 def test_an_array_is_a_copy() -> None:

@@ -21,6 +21,9 @@ Verdict = Literal["pass", "fail", "undecided"]
 COVERAGE = 1.959963984540054
 """Standard uncertainties on either side that 95 % of a normal distribution lie within."""
 
+_ROUNDED = 4 * 2.0**-53
+"""Of a limit: what it, and decimals that add up to it, may be rounded by; a limit is met by what is equal to it."""
+
 
 @dataclass(frozen=True)
 class Limit:
@@ -45,17 +48,16 @@ class Limit:
 
     @property
     def margin(self) -> float:
-        """How far within the limit the value is; negative beyond it."""
-        return min(
-            math.inf if self.high is None else self.high - self.value,
-            math.inf if self.low is None else self.value - self.low,
-        )
+        """How far within the limit the value is; negative beyond it, 0 within what decimals are rounded by at it."""
+        above = [] if self.high is None else [(self.high - self.value, self.high)]
+        below = [] if self.low is None else [(self.value - self.low, self.low)]
+        return min((0.0 if abs(off) <= _ROUNDED * abs(at) else off for off, at in above + below), default=math.inf)
 
     @property
     def verdict(self) -> Verdict:
         """Whether the interval of 95 % is within the limits, beyond one of them, or neither."""
         reach = COVERAGE * self.uncertainty + self.bound
-        if self.margin >= reach:
+        if self.margin >= reach or (self.margin == 0 and reach <= _ROUNDED * abs(self.value)):
             return "pass"
         return "fail" if self.margin < -reach else "undecided"
 

@@ -13,7 +13,7 @@ from inertia.arrays import Float
 from inertia.errors import UNIT, GeometryError, UsageError
 from inertia.mass.eigen import Spectrum, spectrum
 from inertia.mass.moments import Moments
-from inertia.mass.tensor import array_of
+from inertia.mass.tensor import array_of, tensor_of
 from inertia.records import dataclass
 
 InertiaClass = Literal["spherical", "prolate", "oblate", "asymmetric", "rotor"]
@@ -51,6 +51,10 @@ class Principal:
     axis_bounds: Float
     second_moments: Float
 
+    def __post_init__(self) -> None:
+        for each in (self.moments, self.axes, self.moment_bounds, self.axis_bounds, self.second_moments):
+            each.setflags(write=False)
+
     def _repr_html_(self) -> str:
         """Return a small table and a sketch of the axes, as a notebook shows them."""
         from inertia.notebook import ellipsoid_svg, html_of
@@ -74,7 +78,8 @@ def principal(inertia: ArrayLike, tolerance: float = CLASS_TOLERANCE, bound: flo
     nearest to the part's own x, y, z. The class is ``rotor`` (I1 = 0), ``spherical`` (I1 = I2 = I3), ``prolate``
     (I2 = I3), ``oblate`` (I1 = I2) or ``asymmetric`` (textbook § 13.10).
 
-    Raises `UsageError` where the tensor or the bound is not finite, `GeometryError` where a moment leaves float64.
+    Raises `UsageError` where the tensor is not symmetric, or it or the bound not finite, `GeometryError` where a moment
+    leaves float64.
 
     >>> principal(np.diag([2.0, 2.0, 1.0])).kind
     'prolate'
@@ -86,7 +91,7 @@ def principal(inertia: ArrayLike, tolerance: float = CLASS_TOLERANCE, bound: flo
 
 def spectrum_of_tensor(inertia: ArrayLike, bound: float | Fraction) -> Spectrum:
     """Return the eigenvalues and eigenvectors of a tensor (3, 3) kg m², known to within `bound`; see `principal`."""
-    rows = [[Fraction(k) for k in row] for row in array_of(inertia, (3, 3), "inertia").tolist()]
+    rows = [[Fraction(k) for k in row] for row in tensor_of(inertia).tolist()]
     if not 0 <= bound < math.inf:
         raise UsageError(f"bound is {bound!r} kg m²: it must be finite and not negative")
     tensor = [[(rows[i][j] + rows[j][i]) / 2 for j in range(3)] for i in range(3)]

@@ -36,6 +36,17 @@ def array_of(value: ArrayLike | Sequence[Fraction], shape: tuple[int, ...], name
     return array
 
 
+def tensor_of(value: ArrayLike) -> Float:
+    """Return `value` as a tensor (3, 3); raise `UsageError` where it is not symmetric."""
+    tensor = array_of(value, (3, 3), "inertia")
+    skew = np.abs(tensor / 2 - tensor.T / 2)
+    if 2 * skew.max() > VALIDITY_TOLERANCE * np.abs(tensor).max():
+        i, j = divmod(int(skew.argmax()), 3)
+        here, there = float(tensor[i, j]), float(tensor[j, i])
+        raise UsageError(f"inertia is not symmetric: {here:.6g} at [{i}][{j}] and {there:.6g} at [{j}][{i}]")
+    return tensor
+
+
 def exact_point(value: ArrayLike | Sequence[Fraction], name: str) -> list[Fraction]:
     """Return a point (3,) in rationals, those that it has taken as they are; raise `UsageError` as `array_of` does."""
     array_of(value, (3,), name)
@@ -67,7 +78,7 @@ def steiner(inertia: ArrayLike, mass: float, center_of_mass: ArrayLike, *, about
     >>> steiner(np.eye(3), 2.0, [0, 0, 0], about=[0, 0, 0], to=[0, 0, 3]).diagonal().tolist()
     [19.0, 19.0, 1.0]
     """
-    tensor = array_of(inertia, (3, 3), "inertia")
+    tensor = tensor_of(inertia)
     com = array_of(center_of_mass, (3,), "center_of_mass")
     a = array_of(about, (3,), "about") - com
     b = array_of(to, (3,), "to") - com
@@ -88,7 +99,7 @@ def rotation_of(value: ArrayLike) -> Float:
 def reexpress(inertia: ArrayLike, rotation: ArrayLike) -> Float:
     """Resolve a tensor along other axes: Rᵀ J R, the columns of R (3, 3) being the new axes in the old ones."""
     rotation = rotation_of(rotation)
-    tensor = rotation.T @ array_of(inertia, (3, 3), "inertia") @ rotation
+    tensor = rotation.T @ tensor_of(inertia) @ rotation
     return 0.5 * (tensor + tensor.T)
 
 
