@@ -125,7 +125,7 @@ class Vectorised:
         edge = np.maximum(_of_edges(tail, head, self._salt[14]), np.uint64(2)) | (tail < head).astype(np.uint64)
         repeated: Bool = (tail == head).any(axis=1)
         keys[:] = np.where(repeated[:, None], np.uint64(0), edge).reshape(-1)
-        counts += np.bincount(keys[keys != 0] >> np.uint64(64 - bits), minlength=len(counts)).astype(np.int64)
+        counts += np.bincount((keys[keys != 0] >> np.uint64(64 - bits)).astype(np.int64), minlength=len(counts))
         return int(repeated.sum())
 
     def scatter(
