@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tests.dynamics.integrators.loaded import LOADS, TIMES, case
 
-from inertia.dynamics.integrators.heyoka_taylor import Heyoka, _compiled
+from inertia.dynamics.integrators.heyoka_taylor import Heyoka, compiled
 from inertia.errors import UsageError
 
 
@@ -33,7 +33,7 @@ def test_threads_do_not_share_a_motion_under_way() -> None:
 
 
 def test_without_heyoka_its_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    _compiled.cache_clear()  # what an earlier test compiled needs no import
+    compiled.cache_clear()  # what an earlier test compiled needs no import
     monkeypatch.setitem(sys.modules, "heyoka", None)
     with pytest.raises(UsageError, match=r"pip install 'inertia\[heyoka\]'"):
         Heyoka().run(case("free").problem, TIMES, 3.3e-7)

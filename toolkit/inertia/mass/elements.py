@@ -117,7 +117,7 @@ def _crossed(corners: Float) -> tuple[int, int] | None:
     def side(of: Int, other: Int, end: Float) -> NDArray[np.int8]:
         return orient3d(a[of], b[of], end[other], a[of] + _THICK)
 
-    crossed = []
+    crossed: list[tuple[int, int]] = []
     for i, j, _ in overlapping(boxes, touching=True):
         parted = (side(i, j, a) * side(i, j, b) < 0) & (side(j, i, a) * side(j, i, b) < 0)
         crossed += zip(i[parted].tolist(), j[parted].tolist(), strict=True)

@@ -36,7 +36,7 @@ class Heyoka(Adaptive):
         """Return heyoka's integrator; the tolerance is rounded, so that fewer of them are compiled."""
         tolerance = float(10.0 ** np.round(np.log10(self.tolerance(control, level)), 1))
         units = piece.units
-        solver = copy.copy(_compiled(units.vectors, tolerance))  # another thread may be in one of the same form
+        solver = copy.copy(compiled(units.vectors, tolerance))  # another thread may be in one of the same form
         solver.pars[:] = np.concatenate([units.moments, units.packed])
         solver.time = 0.0
         solver.state[:] = state
@@ -63,7 +63,7 @@ class _Solver(Stepper):
 
 
 @functools.lru_cache(maxsize=16)
-def _compiled(vectors: int, tolerance: float) -> Any:
+def compiled(vectors: int, tolerance: float) -> Any:
     """Return an integrator in float64 whose parameters are the moments and the packed terms."""
     try:
         import heyoka
