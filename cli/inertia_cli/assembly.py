@@ -78,7 +78,7 @@ def add_tree_options(parser: argparse.ArgumentParser) -> None:
         default=[],
         type=named_number,
         metavar="NAME=VALUE",
-        help="where a robot's joint stands, in rad or m (repeat it); others are at 0",
+        help="where a robot's joint stands, in rad or m (repeat it); others are at 0, or at the ref of MJCF",
     )
     parser.add_argument("--unit", metavar="UNIT", help="of the coordinates of a mesh, in place of its file's own")
 

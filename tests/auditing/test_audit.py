@@ -111,6 +111,16 @@ def test_impossible_tensors_are_unphysical(props: inertia.MassProperties, audite
     assert audit.links[0].findings[0].code == "unphysical"
 
 
+@pytest.mark.parametrize("zero", ["0", "0.000", "1e-320"])
+def test_a_tensor_of_zeros_is_mended(audited: Callable[..., Audit], zero: str) -> None:
+    stated = inertial(0.01, np.zeros(3), np.zeros((3, 3))).replace('="0.0"', f'="{zero}"')
+    audit = audited(link("a", stated, '<box size="0.1 0.2 0.3"/>'))
+    assert audit.links[0].state == "unphysical"
+    mended = audit.robot.path.with_name("mended.urdf")
+    mended.write_bytes(audit.fixed())
+    assert inertia.audit(mended).links[0].state == "consistent"
+
+
 def test_placeholders(props: inertia.MassProperties, audited: Callable[..., Audit]) -> None:
     stated = inertial(props.mass, props.center_of_mass, 0.1 * np.eye(3))
     right = inertial(props.mass, props.center_of_mass, props.inertia)
@@ -439,8 +449,10 @@ def test_fixed_joints_in_a_circle_are_refused(props: inertia.MassProperties, aud
         f'<joint name="{one}" type="fixed"><parent link="{one}"/><child link="{other}"/></joint>'
         for one, other in ("ab", "ba", "bc")
     )
+    links = [link(name, stated, *MESHES) for name in "abc"]
     with pytest.raises(inertia.ReadError, match="hangs from itself"):
-        audited(*(link(name, stated, *MESHES) for name in "abc"), joints=joints, lump=True)
+        audited(*links, joints=joints, lump=True)
+    assert "hangs from itself" in audited(*links, joints=joints).robot.notes[0]
 
 
 def test_the_round_moments_of_a_sphere_are_no_placeholder(audited: Callable[..., Audit]) -> None:

@@ -25,9 +25,35 @@ def test_the_triangle_rule_is_decided_by_the_numbers(eps: float) -> None:
 
 
 def test_rounding_breaks_no_rule() -> None:
-    plate = np.diag([0.001, 0.002, 0.0034])
+    plate = np.diag([0.0101, 0.0203, 0.0305])
     assert list(faults(statement(plate)))
-    assert not list(faults(statement(plate, 3)))
+    assert not list(faults(statement(plate, 4)))
+    assert list(faults(statement(plate + np.diag([0, 0, 0.0001]), 4)))  # by 2 units, where 3 halves explain 1.5
+
+
+def test_rounding_of_products_counts_too() -> None:
+    """With n along (1, 1, 1), normal to a plate, nᵀ(½ tr(E) − E)n is −5/2 h at least for elements of E up to h."""
+    plate = 0.02 * (np.eye(3) + np.full((3, 3), 1 / 3))
+    worst = 0.00005 * (np.ones((3, 3)) - 2 * np.eye(3))
+    assert list(faults(statement(plate + worst)))
+    assert not list(faults(statement(plate + 0.99 * worst, 4)))
+    assert list(faults(statement(plate + 1.01 * worst, 4)))
+
+
+@pytest.mark.parametrize(
+    ("moments", "decimals", "is_explained"),
+    [
+        ((1, 1, 3), 0, True),
+        ((1, 1, 5), 0, False),
+        ((0.01, 0.01, 0.03), 2, True),
+        ((0.01, 0.01, 0.05), 2, False),
+        ((0.1, 0.2, 0.6), 1, False),
+    ],
+)
+def test_one_digit_is_no_excuse(moments: tuple[float, float, float], decimals: int, is_explained: bool) -> None:
+    (fault,) = faults(statement(np.diag(moments), decimals))
+    assert "break the triangle rule" in fault.sentence
+    assert ("rounding to so few digits explains it" in fault.sentence) is is_explained
 
 
 @pytest.mark.parametrize(

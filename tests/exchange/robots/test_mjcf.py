@@ -179,6 +179,7 @@ def body(inside: str, before: str = "") -> str:
     ("text", "says"),
     [
         ("<mujoco><worldbody/></mujoco>", "it holds no body"),
+        ("<mujoco><worldbody><frame><attach model='m'/></frame></worldbody></mujoco>", "attach is not read"),
         (body('<geom type="box" size="1 1 1" class="nix"/>'), "default class 'nix' is not there"),
         (body("", '<include file="nix.xml"/>'), "included file 'nix.xml' is not there"),
         (body("", '<include file="a.xml"/>'), "include one another"),
@@ -371,6 +372,7 @@ def test_names_that_are_made_are_not_those_given(tmp_path: Path) -> None:
         (body("", '<compiler boundmass="0"/>'), None),
         (body('<composite type="cable"/>'), "composite is not read"),
         (body('<plugin instance="p"/>'), "plugin is not read"),
+        (body("", '<compiler balanceinertia="true"/>'), "balanceinertia is set"),
     ],
 )
 def test_what_is_decided_is_said(tmp_path: Path, text: str, says: str | None) -> None:

@@ -278,3 +278,29 @@ def test_a_cause_that_keeps_all_of_a_robot_from_weighing_is_said(
         file.write_text(f'<sdf version="1.9"><model name="m">{link}</model></sdf>')
         assert main(["assembly", str(file)]) == 4
         assert says in capsys.readouterr().err
+
+
+BODIES = """
+    <body name="a"><freejoint/><geom size="0.01"/>
+      <body name="b" pos="1 0 0"><joint/><geom type="sphere" size="0.3"/><geom type="box" size="0.1 0.1 1"/></body>
+      <body name="c" pos="0 1 2"><inertial mass="1" pos="0.1 0 0" diaginertia="0.1 0.2 0.25" euler="10 20 30"/></body>
+    </body>
+    <body name="d" pos="0 0 3"><inertial mass="3" pos="0 0 0" fullinertia="1 1 1 0.3 0.2 0.1"/></body>
+    <body name="e" pos="5 0 0" euler="10 20 30"/>"""
+
+
+@pytest.mark.parametrize("least", ['boundmass="2" boundinertia="0.8"', 'boundmass="2"', 'boundmass="0.01"'])
+@pytest.mark.parametrize("total", ["", ' settotalmass="7"'])
+def test_bodies_have_the_least_that_mujoco_raises_them_to(tmp_path: Path, least: str, total: str) -> None:
+    file = tmp_path / "a.xml"
+    file.write_text(f"<mujoco><compiler {least}{total}/><worldbody>{BODIES}</worldbody></mujoco>")
+    whole, _ = weighed(file)
+    compare(whole, file, 1e-9)
+    assert unweighed(read_robot(file)) == ()
+
+
+def test_a_mesh_that_may_have_to_be_raised_leaves_a_partial_answer(tmp_path: Path) -> None:
+    file = tmp_path / "a.xml"
+    mesh = f'<asset><mesh name="m" file="{path("tetrahedron.stl")}"/></asset>'
+    file.write_text(model('<geom type="mesh" mesh="m"/>', f'<compiler boundmass="2"/>{mesh}'))
+    assert "link a weighs by a mesh or a surface" in unweighed(read_robot(file))[0]

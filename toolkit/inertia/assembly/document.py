@@ -48,7 +48,7 @@ class Assembly(PartTree):
         Parameters
         ----------
         unit : of the coordinates of meshes, in place of the file's own
-        joints : of a robot by name, rad, or m of one that slides; 0 of all others
+        joints : of a robot by name, rad, or m of one that slides; of all others 0, or ``ref`` of MJCF
         """
         file = Path(path)
         table, remarks, tree, left_out = outline(file, file.parent, unit, joints)

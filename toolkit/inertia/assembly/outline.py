@@ -55,7 +55,7 @@ def outline(path: Path, folder: Path, unit: str | None = None, joints: Mapping[s
     ----------
     folder : that the file of the assembly will be in
     unit : of the coordinates, as of `inertia.read`; of a robot none
-    joints : of a robot by name, rad, or m of one that slides; 0 of all others
+    joints : of a robot by name, rad, or m of one that slides; of all others 0, or ``ref`` of MJCF
     """
     if path.suffix.lower() in _ROBOTS:
         if unit:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from difflib import get_close_matches
 from functools import cached_property
 from hashlib import sha256
@@ -18,10 +19,11 @@ from inertia.auditing.claim import Statement
 from inertia.auditing.judge import Finding, LinkAudit, Subject, Weighed, judge
 from inertia.auditing.search import EXPLAINED
 from inertia.auditing.shapes import Scales, cause
-from inertia.errors import InertiaError, ReadError, UsageError, visible
+from inertia.errors import InertiaError, ReadError, UsageError, placed, visible
 from inertia.exchange.robots.links import Geometry, Link, Placement, Robot
 from inertia.exchange.robots.mend import Mended, mend
 from inertia.exchange.robots.read import read_robot
+from inertia.exchange.robots.solids import inertial_of
 from inertia.records import dataclass
 from inertia.standard_input import file_of
 
@@ -32,6 +34,9 @@ if TYPE_CHECKING:
 _NAMED = 8  # shapes that a refusal lists
 _SAME_CENTER = 1e-4
 """Of the largest radius of gyration: a centre of mass that is no farther off is left as it is written."""
+
+_Groups = dict[str, list[tuple[str, Placement]]]
+"""Links by the one that they hang from by fixed joints, and where they lie in its axes."""
 
 Verdict = Literal["consistent", "inconsistent", "undecided"]
 
@@ -164,8 +169,14 @@ def audit(
         subjects.append(_subject(link, scales, densities))
         if progress is not None:
             progress((number + 1) / len(robot.links))
+    try:
+        groups = _fixed_together(robot)
+    except ReadError as error:
+        if lump:
+            raise placed(error, str(robot.path)) from None
+        robot = replace(robot, notes=(*robot.notes, str(error)))
     if lump:
-        subjects = list(_lumped(robot, subjects))
+        subjects = list(_lumped(groups, subjects))
     alike: dict[tuple[float, ...], list[Subject]] = {}
     for subject in subjects:
         alike.setdefault(subject.figures, []).append(subject)
@@ -199,12 +210,18 @@ def _require_known(densities: Mapping[str, float], robot: Robot) -> None:
 
 
 def _subject(link: Link, scales: Scales, densities: float | Mapping[str, float] | None) -> Subject:
-    stated = None
-    if link.inertial is not None:
-        rotation = link.inertial.placement.rotation
-        inertia = rotation @ link.inertial.inertia @ rotation.T
-        body = Body(link.inertial.mass, link.inertial.placement.origin, inertia)
-        stated = Statement(body, rotation, link.inertial.decimals, link.inertial.integrals)
+    stated, inertial = None, link.inertial
+    if link.stated is not None:
+        try:
+            inertial = inertial_of([each for each in link.geometries if each.weighs], link.mass, link.stated)
+        except InertiaError as error:
+            words = f"what is stated needs what collides of it beside, and {visible(str(error))}"
+            return Subject(link.name, None, obstacles=(Finding("mesh_unusable", words),))
+    if inertial is not None:
+        rotation = inertial.placement.rotation
+        inertia = rotation @ inertial.inertia @ rotation.T
+        body = Body(inertial.mass, inertial.placement.origin, inertia)
+        stated = Statement(body, rotation, inertial.decimals, inertial.integrals)
     by_role: dict[str, list[Geometry]] = {"visual": [], "collision": []}
     for geometry in link.geometries:
         by_role[geometry.role].append(geometry)
@@ -257,10 +274,10 @@ def _weights(geometries: Sequence[Geometry], densities: float | Mapping[str, flo
     return tuple(float(densities.get(geometry.name, densities.get("", 0.0))) for geometry in geometries)
 
 
-def _lumped(robot: Robot, subjects: Sequence[Subject]) -> Iterator[Subject]:
+def _lumped(groups: _Groups, subjects: Sequence[Subject]) -> Iterator[Subject]:
     """Yield the links with those that hang from them by fixed joints, Steiner terms included."""
     by_name = {subject.name: subject for subject in subjects}
-    for root, members in _fixed_together(robot).items():
+    for root, members in groups.items():
         if len(members) == 1:
             yield by_name[root]
             continue
@@ -269,22 +286,22 @@ def _lumped(robot: Robot, subjects: Sequence[Subject]) -> Iterator[Subject]:
             for name, where in members
             if (subject := by_name[name]).stated is not None and subject.stated.body.mass > 0
         ]
-        groups = [(by_name[name], where) for name, where in members]
-        weights = [subject.densities for subject, _ in groups]
+        here = [(by_name[name], where) for name, where in members]
+        weights = [subject.densities for subject, _ in here]
         known = None if any(each is None for each in weights) else tuple(w for each in weights for w in each or ())
         yield Subject(
             root,
             Statement(together(stated), np.eye(3)) if stated else None,
-            [each.moved(where) for subject, where in groups for each in subject.shapes],
-            [each.moved(where) for subject, where in groups for each in subject.collisions],
+            [each.moved(where) for subject, where in here for each in subject.shapes],
+            [each.moved(where) for subject, where in here for each in subject.collisions],
             known,
-            [finding for subject, _ in groups for finding in subject.obstacles],
-            [finding for subject, _ in groups for finding in subject.notes],
+            [finding for subject, _ in here for finding in subject.obstacles],
+            [finding for subject, _ in here for finding in subject.notes],
             fault=next((by_name[name].fault for name, _ in members if by_name[name].fault), ""),
         )
 
 
-def _fixed_together(robot: Robot) -> dict[str, list[tuple[str, Placement]]]:
+def _fixed_together(robot: Robot) -> _Groups:
     """Return each link that hangs from none by a fixed joint, the links that hang from it so, and where these are."""
     by_name = {each.name: each for each in robot.links}
     places: dict[str, tuple[str, Placement]] = {}
@@ -293,7 +310,7 @@ def _fixed_together(robot: Robot) -> dict[str, list[tuple[str, Placement]]]:
         while (here := above[-1]).name not in places and here.parent in by_name:
             if here.parent in seen:
                 raise ReadError(
-                    f"{robot.path}: link {here.name!r} hangs from itself by fixed joints: turn one of them round",
+                    f"link {here.name!r} hangs from itself by fixed joints: turn one of them round",
                     code="cycle",
                 )
             above.append(by_name[here.parent])

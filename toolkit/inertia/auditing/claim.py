@@ -128,7 +128,7 @@ def mismatch(context: Context, body: Body) -> float:
         (body.inertia, stated.inertia, norm(stated.inertia)),
         (body.center, stated.center, context.size),
     ):
-        worst.append((one - other) / (np.abs(other) + _SMALL * max(size, np.finfo(float).smallest_subnormal)))
+        worst.append((one - other) / (np.abs(other) + max(_SMALL * size, np.finfo(float).tiny)))
     every = np.concatenate([each.ravel() for each in worst])
     return float(np.sqrt(np.mean(every**2)))
 

@@ -15,9 +15,10 @@ from inertia.auditing.judge import Finding, Weighed, placed
 from inertia.errors import GeometryError, InertiaError
 from inertia.exchange.robots.links import Geometry, Primitive
 from inertia.exchange.robots.mjcf_masses import shell
+from inertia.exchange.robots.solids import solid
 from inertia.mass.analyse import analyse
 from inertia.mass.faults import widths
-from inertia.mass.properties import ErrorBound, MassProperties, stretched
+from inertia.mass.properties import MassProperties, stretched
 from inertia.mesh import primitives
 from inertia.mesh.part import Part
 from inertia.mesh.read import read
@@ -26,7 +27,6 @@ from inertia.mesh.tree import Motion as Transform
 from inertia.records import dataclass
 from inertia.units import METRE, Unit
 
-_ROUNDOFF = 2.0**-50
 _NODES = 96  # of the quadrature over an ellipsoid, each way: 1e-12 at 1 : 3, 1e-4 at 1 : 100
 _ALLOWED = 0.999  # for faults: what is more leaves nothing certain
 
@@ -147,37 +147,20 @@ def cause(error: InertiaError) -> str:
 
 def _primitive(shape: Primitive) -> _Mesh:
     """Return a primitive of density 1 about its own centre, in closed form."""
-    sizes, center, volume = np.array(shape.sizes), np.zeros(3), shape.volume
-    if not (sizes > 0).all():
-        raise GeometryError(f"a {shape.kind} of {', '.join(f'{size:g}' for size in sizes)} m encloses nothing")
+    properties = solid(shape)
     if shape.kind == "box":
-        squares = sizes**2 / 12
-        corners = primitives.box(sizes / 2)
+        corners = primitives.box(np.array(shape.sizes) / 2)
     elif shape.kind in ("sphere", "ellipsoid"):
-        axes = sizes if len(sizes) == 3 else np.full(3, sizes[0])
-        squares = axes**2 / 5
-        corners = primitives.ball() * axes
-    elif shape.kind == "cylinder":
-        radius, length = sizes
-        squares = np.array([radius**2 / 4, radius**2 / 4, length**2 / 12])
-        corners = primitives.revolved(np.array([-1.0, 1.0]), np.ones(2)) * [radius, radius, length / 2]
-    elif shape.kind == "cone":
-        radius, height = sizes
-        squares = np.array([3 / 20 * radius**2, 3 / 20 * radius**2, 3 / 80 * height**2])
-        center = np.array([0.0, 0.0, -height / 4])
-        corners = primitives.revolved(np.array([-1.0, 1.0]), np.array([1.0, 0.0])) * [radius, radius, height / 2]
+        corners = primitives.ball() * np.broadcast_to(shape.sizes, 3)
+    elif shape.kind in ("cylinder", "cone"):
+        radius, length = shape.sizes
+        ends = np.array([1.0, 0.0]) if shape.kind == "cone" else np.ones(2)
+        corners = primitives.revolved(np.array([-1.0, 1.0]), ends) * [radius, radius, length / 2]
     else:
-        radius, length = sizes
-        barrel, ball = np.pi * radius**2 * length, 4 / 3 * np.pi * radius**3
-        beside = (barrel * radius**2 / 4 + ball * radius**2 / 5) / volume
-        # Two half balls, each 3r/8 beyond its face: ∫z² of a half ball about the middle of the barrel.
-        along = (barrel * length**2 / 12 + ball * (radius**2 / 5 + length**2 / 4 + 3 / 8 * length * radius)) / volume
-        squares = np.array([beside, beside, along])
-        ends = primitives.ball() * radius
-        corners = ends + np.sign(ends[..., 2:]) * np.array([0, 0, length / 2])
-    inertia = volume * (squares.sum() * np.eye(3) - np.diag(squares))
-    error = ErrorBound("closed form", _ROUNDOFF, _ROUNDOFF, 0.0, _ROUNDOFF)
-    return _Mesh(MassProperties(volume, volume, center, inertia, error), corners, surface=_surface(shape))
+        radius, length = shape.sizes
+        ball = primitives.ball() * radius
+        corners = ball + np.sign(ball[..., 2:]) * np.array([0, 0, length / 2])
+    return _Mesh(properties, corners, surface=_surface(shape))
 
 
 def _surface(shape: Primitive) -> Body:

@@ -15,6 +15,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.errors import visible
+from inertia.mass.properties import ErrorBound
 from inertia.mesh.part import Part
 from inertia.mesh.tree import Matrix, diagonal
 from inertia.mesh.tree import Motion as Transform
@@ -48,6 +49,7 @@ class Inertial:
     inertia : (3, 3) kg m² about the centre of mass along the axes of that frame, tensor signs
     decimals : places after the point that mass, centre and tensor are written with; None where that says nothing
     integrals : whether the file's fields of the products are for positive integrals, and not for tensor elements
+    error : how far what was completed by shapes may be off; None where all is stated
     """
 
     mass: float
@@ -55,6 +57,25 @@ class Inertial:
     inertia: Float
     decimals: tuple[int | None, int | None, int | None] = (None, None, None)
     integrals: bool = False
+    error: ErrorBound | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Partial:
+    """Mass properties that a file states in part, beside a mass; None where shapes have them.
+
+    Attributes
+    ----------
+    center : (3,) m, the centre of mass in the axes of the link
+    moments : (3,) kg m², principal ones about it
+    axes : (3, 3), a rotation whose columns are their axes in those of the link
+    frame : (3, 3), likewise the axes along which a tensor of shapes is diagonalised
+    """
+
+    center: Float | None = None
+    moments: Float | None = None
+    axes: Float | None = None
+    frame: Float = field(default_factory=lambda: np.eye(3))
 
 
 @dataclass(frozen=True)
@@ -99,6 +120,7 @@ class Geometry:
         no such rule
     filling : what of it weighs that: the solid, its surface (kg/m² then), a mesh's convex hull, or what MuJoCo counts
         of a mesh (`inertia.exchange.robots.mjcf_masses.legacy`)
+    stated : of the mass properties of what it weighs; None where it has all of them
     """
 
     name: str
@@ -110,6 +132,7 @@ class Geometry:
     density: float | None = None
     mass: float | None = None
     filling: Filling = "solid"
+    stated: Partial | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", visible(self.name))
@@ -169,6 +192,7 @@ class Link:
     fault : why what is stated of it cannot be read, a sentence; "" where it can
     joint : what it hangs on, whether that moves or not; None of a root, and where the format's joints are not read
     mass : kg that geometries with densities weigh together, in proportion to these; None where nothing scales them
+    stated : of what these have together, where `inertial` is None; None where they have all of it
     """
 
     name: str
@@ -179,6 +203,7 @@ class Link:
     fault: str = ""
     joint: Joint | None = None
     mass: float | None = None
+    stated: Partial | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", visible(self.name))
@@ -190,7 +215,8 @@ class Robot:
     """What a file holds: its links, in its order, and what reading had to decide, in sentences.
 
     `mass` is what the format has the links scaled to, all together, kg; None where it does not. `left_out` says what
-    has a mass and is not read, in sentences.
+    has a mass and is not read, in sentences. `least` are the mass, kg, and the principal moment, kg m², to which the
+    format raises those of every link that are smaller.
     """
 
     path: Path
@@ -200,6 +226,7 @@ class Robot:
     notes: tuple[str, ...] = ()
     mass: float | None = None
     left_out: tuple[str, ...] = ()
+    least: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", visible(self.name))

@@ -43,7 +43,7 @@ from inertia.standard_input import file_of
 Attributes = Mapping[str, str]
 
 _UNREAD = ("composite", "flexcomp", "attach", "replicate")  # what they make has a mass
-_CHANGES = ("balanceinertia", "boundmass", "boundinertia")  # what MuJoCo does to what is stated
+_LEAST = {"boundmass": "lighter bodies to {:g} kg", "boundinertia": "smaller moments to {:g} kg m²"}
 _MOTIONS: dict[str, Motion] = {"hinge": "turns", "slide": "slides"}
 _WEIGHS = ("density", 1000.0), ("mass", -1.0)  # of a geom, and what they are by default: no mass of its own
 _FILLINGS: dict[str, Filling] = {"legacy": "legacy", "exact": "solid", "shell": "surface", "convex": "hull"}
@@ -144,18 +144,23 @@ def read_mjcf(path: Path) -> Robot:
     count = [0]
     links = [link for world in worlds for link in _bodies(world, None, "main", model, count)]
     if not links:
-        raise ReadError("it holds no body", code="empty")
+        but = f" but in what is left out: {'; '.join(model.left_out)}" if model.left_out else ""
+        raise ReadError(f"it holds no body{but}", code="empty")
     if model.compiler.get("fusestatic") == "true":
         model.note("fusestatic is true: MuJoCo merges bodies without a joint with their parents")
-    for key in _CHANGES:
-        if model.compiler.get(key, "false") not in ("false", "0", "-1"):
-            model.note(f"{key} is set: MuJoCo changes the masses or tensors that are stated")
+    if model.compiler.get("balanceinertia", "false") != "false":
+        model.note("balanceinertia is set: MuJoCo changes tensors that break the triangle rule")
+    least = [float(numbers(model.compiler, key, 1, [0.0], "compiler")[0]) for key in _LEAST]
+    for key, value in zip(_LEAST, least, strict=True):
+        if value > 0:
+            model.note(f"{key} is set: MuJoCo raises {_LEAST[key].format(value)}")
     mass = float(numbers(model.compiler, "settotalmass", 1, [-1.0], "compiler")[0])
     if mass > 0:
         model.note(f"settotalmass is set: all weigh {mass:g} kg together, for which masses and tensors are scaled")
     total = mass if mass > 0 else None
     left_out = tuple(model.left_out)
-    return Robot(path, "mjcf", root.get("model", ""), tuple(links), (*model.notes, *left_out), total, left_out)
+    notes = (*model.notes, *left_out)
+    return Robot(path, "mjcf", root.get("model", ""), tuple(links), notes, total, left_out, (least[0], least[1]))
 
 
 def _include(element: Element, folder: Path, here: Path, files: list[Path], depth: int, level: int) -> None:

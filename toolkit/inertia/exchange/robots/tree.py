@@ -13,21 +13,19 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.errors import GeometryError, ReadError, UsageError, reworded
-from inertia.exchange.robots.links import Geometry, Joint, Link, Placement, Primitive, Robot
+from inertia.exchange.robots.links import Geometry, Inertial, Joint, Link, Partial, Placement, Primitive, Robot
 from inertia.exchange.robots.mjcf_masses import legacy, shell
+from inertia.exchange.robots.solids import inertial_of, of_mesh, weighed
 from inertia.exchange.rotations import rotation_of_quaternion
 from inertia.mass.analyse import analyse, sound_solids_only
-from inertia.mass.properties import stretched
+from inertia.mass.properties import ErrorBound, MassProperties
 from inertia.mass.tensor import faults
-from inertia.mesh.geometry.hull import convex_hull
-from inertia.mesh.part import Part, Rounding
+from inertia.mesh.part import Part
 from inertia.mesh.read import read
-from inertia.mesh.tree import ONE, determinant
 
 _FORMATS = ("urdf", "mjcf", "sdf", "usd")
 _HALF_BIT = 2.0**-53  # of what is rounded to float64 once, relative
 _CLOSED_FORM = 2.0**-50  # of `Primitive.volume`
-_ROUNDED = 2.0**-50  # of the largest coordinate: more than multiplying three by rounded factors moves a vertex
 _LEAST = 1e-60  # m, of sizes that an assembly takes: it says so of others
 _WIDER = 1 + 1e-9  # more than sums and products of bounds are rounded by
 
@@ -42,7 +40,7 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
     Parameters
     ----------
     robot : as read; of a format whose joints are read (URDF, MJCF, SDFormat, USD)
-    joints : rad, or m of one that slides, of joints by name; 0 of all others
+    joints : rad, or m of one that slides, of joints by name; of all others 0, or ``ref`` of MJCF
 
     Raises `UsageError` for a format without, an unknown joint, and one that does not move; `GeometryError` for a link
     whose stated mass or tensor no body can have, or cannot be read; `ReadError` for one that hangs from itself or none.
@@ -66,10 +64,15 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
     taken = {link.name for link in robot.links}
     positions |= {name: _followed(name, known, positions) for name, joint in known.items() if joint.mimic}
     for link in robot.links:
-        parts.append(_part(link, positions))
-        if link.inertial is None and any(geometry.weighs for geometry in link.geometries):
-            parts += _of_geometries(link, notes, names, taken)
-        elif link.inertial is None:
+        weighing = () if link.inertial is not None else [each for each in link.geometries if each.weighs]
+        notes += [_lacks(link, each) for each in weighing if _fault(each)]
+        sound = [each for each in weighing if not _fault(each)]
+        whole = _whole(link, sound, robot.least)
+        parts.append(_part(replace(link, inertial=whole), positions))
+        if whole is None:
+            parts += _of_geometries(link, sound, notes, names, taken)
+        notes += _unbounded(robot, link)
+        if whole is None and not weighing:
             as_a_rule = ", where programs take 1 kg and 1 kg m² for it" if robot.format == "sdf" else ""
             states = "no mass" if link.mass is None else f"a mass of {link.mass:g} kg, but no shape that has it"
             notes.append(f"link {link.name} states {states}: it is a group{as_a_rule}; give it a file or a mass")
@@ -78,6 +81,46 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
     if robot.mass is not None:
         _scale([part for part in parts if "mass" in part or "density" in part], robot.mass)
     return {"schema": 1, "name": robot.name or robot.path.stem, "unit": "m", "part": parts}, tuple(notes)
+
+
+def _whole(link: Link, sound: Sequence[Geometry], least: tuple[float, float]) -> Inertial | None:
+    """Return what a link has as one, stated, completed or raised; None where it has what its parts have."""
+    if link.inertial is not None:
+        return _raised(link.inertial, least)
+    if link.stated is None and (not any(least) or any(map(_is_counted, sound))):
+        return None
+    # MuJoCo has the centre of a body without geoms as far from its origin as that is from its parent's.
+    whole = Inertial(0.0, Placement() if link.joint is None else link.joint.placement, np.zeros((3, 3)))
+    try:
+        whole = inertial_of(sound, link.mass, link.stated or Partial()) if sound else whole
+    except GeometryError as error:
+        raise reworded(error, error.words, (f"link {link.name}", *error.places)) from None
+    raised = _raised(whole, least)
+    return raised if raised.mass > 0 and (raised is not whole or link.stated is not None) else None
+
+
+def _raised(stated: Inertial, least: tuple[float, float]) -> Inertial:
+    """Return mass and principal moments, those that are smaller raised to a mass, kg, and to a moment, kg m²."""
+    mass, moment = least
+    moments, axes = np.linalg.eigh(stated.inertia)
+    if mass > 0 and stated.mass < mass:
+        stated = replace(stated, mass=mass)
+    if moment > 0 and moments.min() < moment:
+        stated = replace(stated, inertia=(axes * np.maximum(moments, moment)) @ axes.T)
+    return stated
+
+
+def _is_counted(geometry: Geometry) -> bool:
+    """Whether a geometry weighs by a rule of MuJoCo's own: a mesh, or the surface of a primitive."""
+    return not isinstance(geometry.shape, Primitive) or geometry.filling == "surface"
+
+
+def _unbounded(robot: Robot, link: Link) -> list[str]:
+    """Return, in sentences, what of a link might have to be raised, and is not."""
+    weighing = [] if link.inertial is not None else [each for each in link.geometries if each.weighs]
+    if not any(robot.least) or not any(map(_is_counted, weighing)):
+        return []
+    return [f"link {link.name} weighs by a mesh or a surface: it is not raised to the least that MuJoCo has: state it"]
 
 
 def _require_roots(robot: Robot) -> None:
@@ -107,7 +150,13 @@ def unweighed(robot: Robot) -> tuple[str, ...]:
     """Return what has a mass in the robot's format that `robot_tree` leaves out, in sentences."""
     links = [link for link in robot.links if link.inertial is None]
     shapes = [(link, geometry) for link in links for geometry in link.geometries if geometry.weighs]
-    return (*robot.left_out, *(_lacks(link, geometry) for link, geometry in shapes if _fault(geometry)))
+    without = [link for link in links if link.mass is not None and not any(each.weighs for each in link.geometries)]
+    return (
+        *robot.left_out,
+        *(sentence for link in links for sentence in _unbounded(robot, link)),
+        *(_lacks(link, geometry) for link, geometry in shapes if _fault(geometry)),
+        *(f"link {link.name} states a mass of {link.mass:g} kg, but no shape that has it" for link in without),
+    )
 
 
 def _fault(geometry: Geometry) -> str:
@@ -152,21 +201,19 @@ def _part(link: Link, positions: Mapping[str, float]) -> dict[str, Any]:
         if broken := faults(tensor):
             raise GeometryError(f"link {link.name}: {broken[0]}: mend it with `audit`, or leave the tensor out")
         part |= {"mass": stated.mass, "center_of_mass": stated.placement.origin.tolist(), "inertia": tensor.tolist()}
+        part |= {} if stated.error is None else {"bound": _bound_of(stated.error)}
     return part
 
 
-def _of_geometries(link: Link, notes: list[str], names: set[str], taken: set[str]) -> list[dict[str, Any]]:
-    """Return parts for the geometries that a link weighs by; what cannot be weighed is noted.
+def _of_geometries(
+    link: Link, geometries: Sequence[Geometry], notes: list[str], names: set[str], taken: set[str]
+) -> list[dict[str, Any]]:
+    """Return parts for the geometries that a link weighs by.
 
     `names` are those given; `taken` of them and of others are those that parts have.
     """
     parts = []
-    for geometry in link.geometries:
-        if not geometry.weighs:
-            continue
-        if _fault(geometry):
-            notes.append(_lacks(link, geometry))
-            continue
+    for geometry in geometries:
         name = own = f"{link.name}/{geometry.name}"
         number = 1
         while own in taken or (number > 1 and own in names):
@@ -174,6 +221,9 @@ def _of_geometries(link: Link, notes: list[str], names: set[str], taken: set[str
             own = f"{name} {number}"
         taken.add(own)
         part: dict[str, Any] = {"name": own, "parent": link.name}
+        if geometry.stated is not None:
+            parts.append(part | _figures(weighed(geometry, own)))
+            continue
         weight = {"density": geometry.density} if geometry.mass is None else {"mass": geometry.mass}
         if isinstance(geometry.shape, Primitive):
             part |= {"shape": geometry.shape.kind, "size": list(geometry.shape.sizes)} | weight
@@ -188,11 +238,13 @@ def _of_geometries(link: Link, notes: list[str], names: set[str], taken: set[str
                 part |= counted
                 part.pop("density", None)
         elif not isinstance(geometry.shape, str):
-            part |= _figures(geometry, geometry.shape, own)
+            part |= _figures(of_mesh(geometry, geometry.shape, own))
+            if geometry.transform is not None:
+                part["at"] = list(geometry.transform.at)
             if geometry.filling == "legacy":
                 part |= _counted(geometry, geometry.shape, own, notes)
         parts.append(part | _placed(_centred(geometry)))
-    if link.mass is not None:
+    if link.mass is not None and parts:
         _scale(parts, link.mass)
     return parts
 
@@ -275,69 +327,31 @@ def _counted(geometry: Geometry, mesh: Path | Part, name: str, notes: list[str])
     }
 
 
+def _figures(properties: MassProperties) -> dict[str, Any]:
+    """Return mass, centre of mass and tensor of a part, and their bound."""
+    return {
+        "mass": properties.mass,
+        "center_of_mass": properties.center_of_mass.tolist(),
+        "inertia": properties.inertia.tolist(),
+        "bound": _bound_of(properties.error),
+    }
+
+
+def _bound_of(error: ErrorBound) -> dict[str, Any]:
+    return {
+        "mass": error.mass,
+        "center_of_mass": error.center_of_mass and max(error.center_of_mass, _LEAST),
+        "inertia": error.inertia,
+        "method": error.method,
+    }
+
+
 def _corners(geometry: Geometry, mesh: Path | Part) -> Float:
     """Return the triangles (m, 3, 3) m of a mesh in its own axes, scaled."""
     surface = (mesh if isinstance(mesh, Part) else read(mesh, "m")).triangles
     scale = [float(k) for k in geometry.scale or (1, 1, 1)]
     corners = surface.corners() * scale
     return corners[:, ::-1] if math.prod(scale) < 0 else corners
-
-
-def _figures(geometry: Geometry, mesh: Path | Part, name: str) -> dict[str, Any]:
-    """Return mass, centre of mass and tensor of a mesh, of its surface, or of its convex hull, and their bound.
-
-    Scale and transform are applied to the moments: coordinates that are multiplied or moved are rounded.
-    """
-    part = mesh if isinstance(mesh, Part) else read(mesh, "m")
-    linear, density = geometry.linear, Fraction(1)
-    if not determinant(linear):
-        raise GeometryError(f"{name} is scaled to nothing: leave it out")
-    if geometry.filling == "hull":
-        hull = convex_hull(part.triangles.corners().reshape(-1, 3))
-        if hull is None:
-            raise GeometryError(f"{name} is flat: its convex hull encloses nothing")
-        part = _of_corners(hull, 0.0 if part.rounding is None else part.rounding.distance)
-    elif geometry.filling == "surface":
-        sizes = {abs(linear[k][k]) for k in range(3)}
-        if len(sizes) > 1:  # areas have no rule for that, so that it is the coordinates that are multiplied
-            part, linear = _scaled(part, [float(linear[k][k]) for k in range(3)]), ONE
-        else:
-            density /= sizes.pop()  # of an area, which grows by one power less than a volume
-    thickness = 1.0 if geometry.filling == "surface" else None
-    try:
-        with sound_solids_only("a link weighs by sound solids only"):
-            properties = analyse(part, geometry.density or 1.0, shell=thickness).properties
-    except GeometryError as error:
-        raise reworded(error, error.words, (name,)) from None
-    if linear != ONE:
-        properties = stretched(properties, linear, density)
-    if geometry.mass is not None:
-        properties = properties.with_mass(geometry.mass)
-    known = properties.error
-    return {
-        "mass": properties.mass,
-        "center_of_mass": properties.center_of_mass.tolist(),
-        "inertia": properties.inertia.tolist(),
-        "bound": {
-            "mass": known.mass,
-            "center_of_mass": known.center_of_mass,
-            "inertia": known.inertia,
-            "method": known.method,
-        },
-    } | ({} if geometry.transform is None else {"at": list(geometry.transform.at)})
-
-
-def _of_corners(corners: Float, distance: float) -> Part:
-    """Return triangles (m, 3, 3) as a part whose vertices may be `distance` from where they belong, m."""
-    part = Part.from_arrays(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), unit="m")
-    return replace(part, rounding=Rounding(distance)) if distance else part
-
-
-def _scaled(part: Part, scale: Sequence[float]) -> Part:
-    """Return a mesh with its coordinates multiplied, and how far that rounds them."""
-    corners = part.triangles.corners() * scale
-    own = 0.0 if part.rounding is None else part.rounding.distance * max(map(abs, scale))
-    return _of_corners(corners, own + _ROUNDED * float(np.abs(corners).max()))
 
 
 def _centred(geometry: Geometry) -> Placement:

@@ -11,7 +11,7 @@ import importlib.util
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from inertia.exchange.robots.links import (
     Joint,
     Link,
     Motion,
+    Partial,
     Placement,
     Primitive,
     Robot,
@@ -153,7 +154,10 @@ def read_usd(path: Path) -> Robot:
             if not stage.is_enabled(prim):
                 notes[f"{shown(prim.GetName())} is not enabled as a rigid body: it is counted as one"] = None
             geometries = tuple(_geometries(stage, prim, notes))
-            inertial, mass = _inertial(stage, prim, name, notes)
+            collides = any(geometry.weighs for geometry in geometries)
+            inertial, mass, stated = _inertial(stage, prim, name, collides, notes)
+            if apart := _stated_apart(stage, prim, inertial is not None):
+                notes[f"what {', '.join(apart)} below {shown(prim.GetName())} states of itself is not counted"] = None
         except ReadError:
             raise
         except (
@@ -165,7 +169,7 @@ def read_usd(path: Path) -> Robot:
         ):  # what is against the schema is handed out
             raise ReadError(f"an attribute in {prim.GetPath()} has another type than its schema") from None
         joint = joints.get(name) or Joint(name, None, _frame(stage, prim))
-        links.append(Link(name, inertial, geometries, parent, placement, joint=joint, mass=mass))
+        links.append(Link(name, inertial, geometries, parent, placement, joint=joint, mass=mass, stated=stated))
     return Robot(path, "usd", stage.name, tuple(links), (*notes, *dict.fromkeys(stage.warnings())))
 
 
@@ -284,30 +288,82 @@ def _motion(stage: _Stage, prim: Any) -> tuple[Motion, Float]:
     return "other", np.eye(3)[2]
 
 
-def _inertial(stage: _Stage, prim: Any, name: str, notes: dict[str, None]) -> tuple[Inertial | None, float | None]:
-    """Return what is stated of a link; where that is its mass, kg, and not all, that of what collides of it."""
+class _Values(NamedTuple):
+    """What a prim states by `PhysicsMassAPI`, in units of the stage and its own axes; None and 0 where it does not."""
+
+    mass: float = 0.0
+    center: Float | None = None
+    moments: Float | None = None
+    axes: Float | None = None
+
+    @property
+    def states_more(self) -> bool:
+        """Whether more than a mass is stated."""
+        return any(each is not None for each in self[1:])
+
+
+def _values(stage: _Stage, prim: Any) -> _Values:
     if not prim.HasAPI(stage.physics.MassAPI):
-        return None, None
+        return _Values()
     api = stage.physics.MassAPI(prim)
     mass = float(api.GetMassAttr().Get(stage.time))
-    moments = np.array(api.GetDiagonalInertiaAttr().Get(stage.time), float)
-    center = np.array(api.GetCenterOfMassAttr().Get(stage.time), float)
+    center, moments = (
+        np.array(each.Get(stage.time), float) for each in (api.GetCenterOfMassAttr(), api.GetDiagonalInertiaAttr())
+    )
     axes = api.GetPrincipalAxesAttr().Get(stage.time)
     quaternion = [axes.GetReal(), *axes.GetImaginary()]
-    missing = {"mass": not mass, "tensor": not moments.any(), "centre of mass": not np.isfinite(center).all()}
-    if any(missing.values()):
-        if not all(missing.values()):
-            notes[f"link {shown(name)} states no {' and no '.join(k for k, gap in missing.items() if gap)}"] = None
-        elif float(api.GetDensityAttr().Get(stage.time)) > 0:
-            notes[f"link {shown(name)} states a density alone: there is nothing to compare"] = None
-        return None, mass * stage.kilograms if mass > 0 else None
     if not np.isfinite([mass, *moments, *quaternion]).all():
         raise ReadError(f"what {prim.GetPath()} states is not finite")
+    return _Values(
+        mass,
+        center if np.isfinite(center).all() else None,
+        moments if moments.any() else None,
+        rotation_of_quaternion(quaternion) if any(quaternion) else None,
+    )
+
+
+def _inertial(
+    stage: _Stage, prim: Any, name: str, collides: bool, notes: dict[str, None]
+) -> tuple[Inertial | None, float | None, Partial | None]:
+    """Return what is stated of a link; where that is not all, its mass, kg, and the rest, beside what collides of it.
+
+    Of what nothing collides the centre of mass is the origin, as OpenUSD has it.
+    """
+    values = _values(stage, prim)
+    mass = values.mass * stage.kilograms
     matrix, _ = stage.place(prim)
-    place = _rotation(matrix).T @ matrix @ center * stage.metres
-    turn = rotation_of_quaternion(quaternion) if any(quaternion) else np.eye(3)
-    tensor = np.diag(moments) * (stage.kilograms * stage.metres**2)
-    return Inertial(mass * stage.kilograms, Placement(turn, place), tensor), None
+    stated = _partial(stage, values, _rotation(matrix).T @ matrix * stage.metres, np.zeros(3), np.eye(3))
+    center = np.zeros(3) if stated.center is None and not collides else stated.center
+    if values.mass and stated.moments is not None and center is not None:
+        turn = np.eye(3) if stated.axes is None else stated.axes
+        return Inertial(mass, Placement(turn, center), np.diag(stated.moments)), None, None
+    given = {
+        "mass": values.mass > 0,
+        "centre of mass": values.center is not None,
+        "tensor": values.moments is not None,
+        "principal axes": values.axes is not None,
+    }
+    has = [each for each, there in given.items() if there]
+    lacks = [each for each in list(given)[: 4 if given["tensor"] and collides else 3] if not given[each]]
+    if has and collides:
+        about = ", about the centre stated" if given["centre of mass"] and not given["tensor"] else ""
+        words = f"{', '.join(has)} alone: what collides of it has its {', '.join(lacks)}{about}"
+        notes[f"link {shown(name)} states {words}"] = None
+    elif has:
+        notes[f"link {shown(name)} states no {' and no '.join(lacks)}, and nothing collides of it"] = None
+    elif prim.HasAPI(stage.physics.MassAPI) and stage.physics.MassAPI(prim).GetDensityAttr().Get(stage.time) > 0:
+        notes[f"link {shown(name)} states a density alone: there is nothing to compare"] = None
+    return None, mass if mass > 0 else None, stated if collides and values.states_more else None
+
+
+def _partial(stage: _Stage, values: _Values, linear: Float, at: Float, frame: Float) -> Partial:
+    """Return what is stated of a prim whose points p lie at `linear` p + `at`, m, in its link, its axes as `frame`."""
+    return Partial(
+        None if values.center is None else linear @ values.center + at,
+        None if values.moments is None else values.moments * (stage.kilograms * stage.metres**2),
+        None if values.axes is None else frame @ values.axes,
+        frame,
+    )
 
 
 def _weight(stage: _Stage, prim: Any, body: str) -> tuple[float, float | None]:
@@ -334,11 +390,6 @@ def _weight(stage: _Stage, prim: Any, body: str) -> tuple[float, float | None]:
 
 def _geometries(stage: _Stage, body: Any, notes: dict[str, None]) -> Iterator[Geometry]:
     path = str(body.GetPath())
-    apart = [prim.GetName() for prim in stage.prims if _is_weighed_apart(stage, prim, path)]
-    if apart and _states_mass(stage, body):
-        notes[f"what {', '.join(map(shown, apart))} below {shown(body.GetName())} states of itself is not counted"] = (
-            None
-        )
     unscaled, origin = _axes(stage, body)
     for prim in stage.prims:
         kind, where = prim.GetTypeName(), str(prim.GetPath())
@@ -358,7 +409,10 @@ def _geometries(stage: _Stage, body: Any, notes: dict[str, None]) -> Iterator[Ge
         at = tuple(dot(row, away) for row in unscaled)
         transform = shortened(Transform(at, times(unscaled, lies.linear)))
         density, mass = (None, None) if role == "visual" else _weight(stage, prim, path)
-        mass = None if _states_mass(stage, body) else mass
+        linear, values = np.array(transform.linear, float), _values(stage, prim)
+        stated = None
+        if role == "collision" and values.states_more and where != path:
+            stated = _partial(stage, values, linear, np.array(transform.at, float), _rotation(linear))
         name = where.removeprefix(f"{path}/") if where != path else prim.GetName()
         if kind == "Mesh":
             if stage.geometry.Mesh(prim).GetSubdivisionSchemeAttr().Get() != stage.geometry.Tokens.none:
@@ -368,11 +422,13 @@ def _geometries(stage: _Stage, body: Any, notes: dict[str, None]) -> Iterator[Ge
                 stage.physics.MeshCollisionAPI(prim).GetApproximationAttr().Get() == stage.physics.Tokens.convexHull
             )
             filling: Filling = "hull" if hull else "solid"
-            yield Geometry(name, role, shape, transform=transform, density=density, mass=mass, filling=filling)
+            yield Geometry(
+                name, role, shape, transform=transform, density=density, mass=mass, filling=filling, stated=stated
+            )
         else:
             turn, solid = _primitive(stage, kind, prim, transform.linear)
             place = Placement(turn, np.array(transform.at, float))
-            yield Geometry(name, role, solid, place, density=density, mass=mass)
+            yield Geometry(name, role, solid, place, density=density, mass=mass, stated=stated)
 
 
 def _axes(stage: _Stage, body: Any) -> tuple[Matrix, tuple[Fraction, ...]]:
@@ -393,16 +449,18 @@ def _length(column: Sequence[Fraction]) -> Fraction:
     return root(dot(column, column))
 
 
-def _states_mass(stage: _Stage, body: Any) -> bool:
-    api = stage.physics.MassAPI
-    return body.HasAPI(api) and float(api(body).GetMassAttr().Get(stage.time)) > 0
+def _stated_apart(stage: _Stage, body: Any, is_complete: bool) -> list[str]:
+    """Return the prims below a body, no bodies, whose own mass properties do not count.
 
-
-def _is_weighed_apart(stage: _Stage, prim: Any, body: str) -> bool:
-    """Whether a prim below a body, and no body itself, states mass properties of its own."""
-    if not prim.HasAPI(stage.physics.MassAPI) or str(prim.GetPath()) in stage.labels:
-        return False
-    return stage.body_of(str(prim.GetPath())) == body
+    OpenUSD has what collides count, where what is stated of the body is not complete.
+    """
+    return [
+        shown(prim.GetName())
+        for prim in stage.prims
+        if prim.HasAPI(stage.physics.MassAPI) and str(prim.GetPath()) not in stage.labels
+        if stage.body_of(str(prim.GetPath())) == str(body.GetPath())
+        if is_complete or not prim.HasAPI(stage.physics.CollisionAPI)
+    ]
 
 
 def _mesh(stage: _Stage, prim: Any) -> Part | str:
