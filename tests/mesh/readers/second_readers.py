@@ -217,6 +217,8 @@ def three_mf(data: bytes) -> list[Cell]:
         return whole
 
     def placed(name: str | None, above: np.ndarray) -> Iterator[Cell]:
+        if objects[name].get("type") in helpers and objects[name].find("components") is None:
+            return
         points = [floats([each.get(axis, "") for axis in "xyz"]) for each in objects[name].iter("vertex")]
         faces = [[int(each.get(f"v{i}", "")) for i in (1, 2, 3)] for each in objects[name].iter("triangle")]
         yield from turned(cells_of(points, [("triangle", face) for face in faces]), above)
@@ -224,8 +226,7 @@ def three_mf(data: bytes) -> list[Cell]:
             yield from placed(each.get("objectid"), above @ matrix(each.get("transform")))
 
     helpers = ("support", "solidsupport", "other")
-    items = [each for each in root.iter("item") if objects[each.get("objectid")].get("type") not in helpers]
-    return [cell for each in items for cell in placed(each.get("objectid"), matrix(each.get("transform")))]
+    return [cell for each in root.iter("item") for cell in placed(each.get("objectid"), matrix(each.get("transform")))]
 
 
 # Scenes
@@ -407,8 +408,8 @@ def nastran_number(text: str) -> float:
 
 
 def nastran(data: bytes) -> list[Cell]:
-    lines = [line.partition("$")[0].rstrip() for line in data.decode("utf-8", "replace").splitlines()]
-    begin = next(i for i, line in enumerate(lines) if line.lstrip().startswith("BEGIN BULK"))
+    lines = [line.partition("$")[0].rstrip() for line in data.decode("utf-8", "replace").upper().splitlines()]
+    begin = next(i for i, line in enumerate(lines) if " ".join(line.split()).startswith("BEGIN BULK"))
     cards: list[list[str]] = []
     for line in lines[begin + 1 : next(i for i, line in enumerate(lines) if i > begin and line.startswith("ENDDATA"))]:
         if not line.strip():
@@ -445,12 +446,12 @@ def abaqus(data: bytes) -> list[Cell]:
             keyword = line.upper().replace(" ", "")
         elif keyword.split(",")[0] == "*NODE":
             number, *place = line.strip().rstrip(",").split(",")
-            points[int(number)] = floats(place)
+            points[int(number)] = floats(place[:3])
         elif keyword.split(",")[0] == "*ELEMENT":
             assert "TYPE=C3D4" in keyword.split(",")
             more = [int(word) for word in line.strip().rstrip(",").split(",")]
             cells[-1:] = [("tetra", cells[-1][1] + more)] if continued else [*cells[-1:], ("tetra", more[1:])]
-            continued = line.strip().endswith(",")
+            continued = line.strip().endswith(",") and len(cells[-1][1]) < 4
     tags = list(points)
     return cells_of(list(points.values()), [(kind, [tags.index(tag) for tag in nodes]) for kind, nodes in cells])
 

@@ -352,7 +352,6 @@ def test_the_smallest_abaqus_set_that_holds_a_cell_names_it(tmp_path: Path) -> N
         ("a.inp", ABAQUS.replace("*NODE\n", "*NODE, INPUT=nodes.txt\n"), "INPUT"),
         ("a.inp", ABAQUS.replace("C3D4", "C3D9"), "C3D9"),
         ("a.bdf", NASTRAN.replace("CTETRA  1 ", "CTETRA* 1 "), r"CTETRA\*"),
-        ("a.bdf", NASTRAN.replace("CTETRA,2", "ctetra,2"), "ctetra"),
         ("a.bdf", NASTRAN.replace("GRID,4,,", "GRID,4,3,"), "coordinate system"),
         ("a.bdf", NASTRAN.replace("ENDDATA\n", ""), "no ENDDATA"),
         ("a.bdf", NASTRAN.replace("PSOLID,7,1", "INCLUDE 'b.bdf'"), "INCLUDE"),
@@ -424,6 +423,60 @@ def test_a_vtu_file_of_two_pieces_is_refused(tmp_path: Path) -> None:
     start, stop = data.index(b"<Piece"), data.index(b"</Piece>") + 8
     with pytest.raises(ReadError, match="2 pieces"):
         read_text(tmp_path, "a.vtu", data[:stop] + data[start:stop] + data[stop:])
+
+
+@pytest.mark.parametrize("name", ["two.vtu", "two.vtk"])
+def test_cells_of_vtk_that_another_piece_has_too_are_left_out(name: str, tmp_path: Path) -> None:
+    data = {"vtkGhostType": [np.array([1, 32, 2, 0], np.uint8)], "material": [np.array([5, 6, 7, 8])]}
+    part = written(tmp_path, name, meshio.Mesh(TETRA_POINTS, [("tetra", TETRA[[0, 0, 0, 1]])], cell_data=data))
+    assert isinstance(part.geometry, Cells)
+    assert np.array_equal(part.geometry.blocks[0].nodes, TETRA)
+    assert names_of(part) == ["7", "8"]
+    assert part.notes == ("2 cells that vtkGhostType calls duplicate or hidden were left out",)
+
+
+@pytest.mark.parametrize("kind", ["vtkLZ4DataCompressor", "vtkLZMADataCompressor"])
+def test_a_vtu_file_that_is_packed_otherwise_is_refused_by_name(kind: str, tmp_path: Path) -> None:
+    _, data = volumes(tmp_path)["vtu"]
+    with pytest.raises(ReadError, match=f"packed by '{kind}', which is not read: save it by vtkZLib"):
+        read_text(tmp_path, "a.vtu", data.replace(b"vtkZLibDataCompressor", kind.encode()))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        ("<Geometry", '<Information Name="a" Value="b"/><Geometry', "an Information without text, which is not read"),
+        ("<Grid ", '<Grid GridType="Collection"/><Grid ', r"it has 2 grids \(Collection, Uniform\), but one"),
+        ('GridType="Uniform"', 'GridType="Tree"', r"it has 1 grid \(Tree\), but one"),
+    ],
+)
+def test_grids_of_xdmf_that_are_not_read_are_called_by_name(old: str, new: str, reason: str, tmp_path: Path) -> None:
+    text = volumes(tmp_path)["xdmf"][1].decode()
+    if old not in text:
+        old, new = "<Grid ", f"<Grid {new} "
+    with pytest.raises(ReadError, match=reason):
+        read_text(tmp_path, "a.xdmf", text.replace(old, new, 1))
+
+
+@pytest.mark.parametrize(
+    ("sample", "old", "new"),
+    [
+        ("netgen", b" 4 2 4 3 5", b" 4 2 4 3 0_5"),
+        ("avsucd", b"0.1", b"0_0.1"),
+        ("nastran", b"CTETRA,2,8", b"CTETRA,2,0_8"),
+    ],
+)
+def test_numbers_of_python_are_none_of_the_file(sample: str, old: bytes, new: bytes, tmp_path: Path) -> None:
+    name, data = volumes(tmp_path)[sample]
+    assert old in data
+    with pytest.raises(ReadError, match=r"_.*, which is not a (whole )?number"):
+        read_text(tmp_path, name, data.replace(old, new, 1))
+
+
+@pytest.mark.parametrize("table", ["TetrahedraP2", "HexahedraQ2", "TrianglesP3"])
+def test_curved_cells_of_medit_are_refused_by_name(table: str, tmp_path: Path) -> None:
+    with pytest.raises(ReadError, match=f"its table '{table}' is not read: use cells of first order"):
+        read_text(tmp_path, "a.mesh", MEDIT.replace("Tetrahedra\n", f"{table}\n1\n1 2 3 4 1\nTetrahedra\n"))
 
 
 def test_a_vtu_file_of_a_surface_kind_is_refused(tmp_path: Path) -> None:
@@ -581,6 +634,68 @@ def test_shells_of_second_order_may_do_without_midside_nodes(card: str, corners:
         tmp_path, "a.bdf", bulk(*grid(HEXAHEDRON[:4]), f"{card},1,1,{','.join(str(k + 1) for k in corners)}")
     )
     assert part.triangles.count == len(corners) - 2
+
+
+SHELL_OPTIONS = {
+    "CQUAD4": ["3", "45.", ",.0", "3,0.", ",,\n,,,.1,.2,.1,.1"],
+    "CQUADR": ["3", "45."],
+    "CTRIA3": ["3", "30.,.0", ",,\n,,,.1,.1,.1"],
+    "CTRIAR": ["3", "30."],
+    "CQUAD8": [",,\n,,,.1,.1,.1,.1,30.", ",,\n,,,,,,,3", ",,\n,,,,,,,3,0."],
+    "CTRIA6": [",,\n,3", ",,\n,30.,0.,.1,.1,.1"],
+}
+
+
+@pytest.mark.parametrize(("card", "more"), [(card, more) for card, rest in SHELL_OPTIONS.items() for more in rest])
+def test_what_stands_behind_the_nodes_of_a_shell_is_left_aside(card: str, more: str, tmp_path: Path) -> None:
+    text = bulk(*grid(HEXAHEDRON), *(f"{card},{k},7,{nodes},{more}" for k, nodes in ((1, "1,2,3,4"), (2, "5,6,7,8"))))
+    if card.startswith("CTRI"):
+        text = text.replace("1,2,3,4", "1,2,3").replace("5,6,7,8", "5,6,7")
+    part = read_text(tmp_path, "a.bdf", text, unit="m")
+    assert mass_properties(part, 1, shell=1e-3).volume == pytest.approx(2e-3 if card.startswith("CTRI") else 4e-3)
+    assert all("split" in note for note in part.notes)
+
+
+@pytest.mark.parametrize(
+    ("card", "rest"), [("CQUAD4", "1,2,3,4,,.1"), ("CTRIA3", "1,2,3,,-.1"), ("CQUAD8", "1,2,3,4,,,\n,,,,,,,,1.-1")]
+)
+def test_the_offset_of_a_shell_is_noted(card: str, rest: str, tmp_path: Path) -> None:
+    part = read_text(tmp_path, "a.bdf", bulk(*grid(HEXAHEDRON), f"{card},1,7,{rest}"))
+    assert "the offset of 1 shell from its nodes was left out" in part.notes
+
+
+@pytest.mark.parametrize("card", ["CBUSH,3,7,2,3", "CGAP,3,7,2,3,0.,0.,1.", "CELAS1,3,7,2,1,3,1", "CDAMP2*,3,1.,2,1"])
+def test_springs_and_gaps_weigh_nothing(card: str, tmp_path: Path) -> None:
+    part = read_text(tmp_path, "a.bdf", bulk(*grid(HEXAHEDRON), "CROD,1,7,1,2", card), unit="m")
+    assert part.notes == ("1 element without material (spring, damper or gap) was left out",)
+    assert mass_properties(part, 1, wire=1e-4).mass == pytest.approx(1e-4)
+
+
+def test_point_masses_of_nastran_are_noted(tmp_path: Path) -> None:
+    masses = ("CONM2,10,1,,100.", "CMASS2,11,5.,2,1")
+    part = read_text(tmp_path, "a.bdf", NASTRAN.replace("ENDDATA", "\n".join([*masses, "ENDDATA"])))
+    assert part.notes == ("2 elements of concentrated mass were left out",)
+
+
+def test_nastran_may_be_written_in_lower_case(tmp_path: Path) -> None:
+    plain, lower = (read_text(tmp_path, name, text) for name, text in (("a.bdf", NASTRAN), ("b.bdf", NASTRAN.lower())))
+    assert isinstance(plain.geometry, Cells)
+    assert isinstance(lower.geometry, Cells)
+    assert np.array_equal(plain.geometry.points, lower.geometry.points)
+    assert np.array_equal(plain.geometry.blocks[0].nodes, lower.geometry.blocks[0].nodes)
+
+
+def test_a_grid_point_is_in_one_place(tmp_path: Path) -> None:
+    again = NASTRAN.replace("CTETRA,2", "GRID,5,,1.1,11.-1,1.10\nCTETRA,2")
+    assert names_of(read_text(tmp_path, "a.bdf", again)) == ["7", "8"]
+    with pytest.raises(ReadError, match="defines GRID 5 twice, in two places"):
+        read_text(tmp_path, "b.bdf", again.replace("11.-1", "1.2"))
+
+
+@pytest.mark.parametrize("card", ["CONROD,3,1,2,7,1.", "CTUBE,3,7,1,2", "CBEND,3,7,1,2", "CQUAD4,3,7,1,2,3"])
+def test_other_elements_of_nastran_are_refused(card: str, tmp_path: Path) -> None:
+    with pytest.raises(ReadError, match=r"is not read: write|it needs 4 corners; export"):
+        read_text(tmp_path, "a.bdf", NASTRAN.replace("ENDDATA", f"{card}\nENDDATA"))
 
 
 ALIGNED = np.array([[x, y, z] for z in (0, 3) for y in (0, 2) for x in (0, 1)])

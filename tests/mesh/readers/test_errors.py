@@ -171,7 +171,7 @@ BAD = {
     "PLY strips": (
         "a.ply",
         text_ply([[0, 1, 2]]).replace("element face", "element tristrips"),
-        "no faces but triangle strips",
+        "its element 'tristrips' lists vertices too, which is not read",
     ),
     "PLY without z": ("a.ply", text_ply().replace("float z", "float w"), "no x, y and z"),
     "PLY without corners": (
@@ -291,10 +291,50 @@ BAD = {
         build(WHOLE.replace('z="3.0"', "", 1)),
         "lacks the attribute 'z' at line 2",
     ),
+    "PLY strips beside faces": (
+        "a.ply",
+        text_ply().replace("end_header", "element tristrips 1\nproperty list int int vertex_indices\nend_header")
+        + "4 0 1 2 3\n",
+        "its element 'tristrips' lists vertices too, which is not read",
+    ),
+    **{
+        f"MSH two sections of {name}": (
+            "a.msh",
+            text + text[text.index(f"${name}") :].partition(f"$End{name}")[0] + f"$End{name}\n",
+            rf"the section \${name} twice",
+        )
+        for name, text in (("Nodes", GMSH_22), ("Elements", GMSH_41), ("Entities", GMSH_41))
+    },
     "3MF garbage number": (
         "a.3mf",
         build(WHOLE.replace('z="3.0"', 'z="3,0"', 1)),
         "an object has '3,0' where a number must stand",
+    ),
+    **{
+        f"3MF {text!r}": ("a.3mf", build(WHOLE.replace('z="3.0"', f'z="{text}"', 1)), "where a number must stand")
+        for text in ("1_0", "\u0663", "")
+    },
+    "3MF index with a low line": (
+        "a.3mf",
+        build(WHOLE.replace('v1="', 'v1="0_', 1)),
+        "where an index must stand",
+    ),
+    "3MF transform with a low line": (
+        "a.3mf",
+        build(WHOLE, '<item objectid="1" transform="1 0 0 0 1 0 0 0 1 1_0 0 0"/>'),
+        "is not twelve numbers",
+    ),
+    "3MF required extension": (
+        "a.3mf",
+        archive_3mf(
+            model_3mf(WHOLE, '<item objectid="1"/>').replace("<model", '<model xmlns:q="q:a" requiredextensions="p q"')
+        ),
+        "requires the extension 'q:a'",
+    ),
+    "3MF required extension without a namespace": (
+        "a.3mf",
+        archive_3mf(model_3mf(WHOLE, '<item objectid="1"/>').replace("<model", '<model requiredextensions="s"')),
+        "requires the extension 's'",
     ),
     "3MF half index": ("a.3mf", build(WHOLE.replace('v1="', 'v1="0.5', 1)), r"has '0.5\d+' where an index must stand"),
     "3MF huge index": (

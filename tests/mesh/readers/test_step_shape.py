@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections import defaultdict
 from fractions import Fraction
 from pathlib import Path
@@ -29,13 +30,13 @@ from tests.mesh.readers.samples import CORNERS, QUADS
 from tests.mesh.readers.step_sample import step_cone, step_of_several, step_placed, step_solid, step_sphere
 
 import inertia
-from inertia.errors import ReadError
+from inertia.errors import ReadError, UsageError
 from inertia.mesh.part import Part
 from inertia.mesh.shape import Shape
 
 pytest.importorskip("OCP")
 
-from OCP import BRepAdaptor, BRepBuilderAPI, BRepTools, Geom, STEPControl, TopAbs, gp
+from OCP import BRep, BRepAdaptor, BRepBuilderAPI, BRepTools, Geom, Poly, STEPControl, TopAbs, TopoDS, gp
 
 from inertia.mesh.readers.opencascade.kernel import shape_map
 from inertia.mesh.readers.opencascade.surfaces import Edges, face_data
@@ -205,6 +206,51 @@ def test_what_the_kernel_leaves_out_is_said(tmp_path: Path) -> None:
     part = inertia.read(tmp_path / "part.step")
     assert "OpenCASCADE left out what has a fault (1 fault, first 'Surface has not been created')" in (part.notes)
     assert inertia.check(part).findings[0].code == "open"
+
+
+def with_entities(text: str, *entities: str) -> str:
+    """Return a file with more entities, numbered from 9001, of which the last is one more item of its shape."""
+    lines = "".join(f"#{9001 + k}={entity};\n" for k, entity in enumerate(entities))
+    text = text.replace("ADVANCED_BREP_SHAPE_REPRESENTATION('',(", f"SHAPE_REPRESENTATION('',(#{9000 + len(entities)},")
+    return text.replace("ENDSEC;\nEND-ISO", f"{lines}ENDSEC;\nEND-ISO")
+
+
+@pytest.mark.parametrize(
+    ("kind", "entities"),
+    [
+        ("CSG_SOLID", ["SPHERE('',2.,#9002)", "CARTESIAN_POINT('',(0.,0.,0.))", "CSG_SOLID('',#9001)"]),
+        ("SWEPT_DISK_SOLID", ["SWEPT_DISK_SOLID('',$,1.,$,0.,1.)"]),
+    ],
+)
+def test_solids_that_the_kernel_passes_over_are_noted(kind: str, entities: list[str], tmp_path: Path) -> None:
+    text = with_entities(step_solid(CORNERS, QUADS.tolist(), "Box"), *entities)
+    (tmp_path / "part.step").write_text(text)
+    part = inertia.read(tmp_path / "part.step")
+    assert f"1 {kind} was left out: OpenCASCADE does not read {kind}" in part.notes
+    assert part.triangles.count == 12
+    (tmp_path / "part.step").write_text(re.sub(r"(SHAPE_REPRESENTATION\('',\(#\d+)[^)]*", r"\1", text, count=1))
+    with pytest.raises(ReadError, match=f"its {kind} is not read by OpenCASCADE: export the part with its faces"):
+        inertia.read(tmp_path / "part.step")
+
+
+def test_tessellated_shapes_are_refused_and_end_no_process(tmp_path: Path) -> None:
+    entities = (
+        "COORDINATES_LIST('',4,((0.,0.,0.),(1.,0.,0.),(0.,1.,0.),(0.,0.,1.)))",
+        "TRIANGULATED_FACE('',#9001,4,(),$,(),((1,3,2),(1,2,4),(2,3,4),(1,4,3)))",
+        "TESSELLATED_SOLID('',(#9002),$)",
+    )
+    text = with_entities(step_solid(CORNERS, QUADS.tolist(), "Box"), *entities)
+    (tmp_path / "part.step").write_text(text)
+    with pytest.raises(ReadError, match="its product 'Box' has tessellated shapes, triangles without surfaces"):
+        inertia.read(tmp_path / "part.step")
+    mesh = Poly.Poly_Triangulation(3, 1, False)
+    for k, at in enumerate(((0, 0, 0), (1, 0, 0), (0, 1, 0)), 1):
+        mesh.SetNode(k, gp.gp_Pnt(*at))
+    mesh.SetTriangle(1, Poly.Poly_Triangle(1, 2, 3))
+    face = TopoDS.TopoDS_Face()
+    BRep.BRep_Builder().MakeFace(face, mesh)
+    with pytest.raises(UsageError, match="has triangles without surfaces: give the triangles as a mesh"):
+        inertia.read(face)
 
 
 def test_units_of_any_size_and_several_in_one_file(tmp_path: Path) -> None:

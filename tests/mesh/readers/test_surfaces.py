@@ -324,6 +324,15 @@ def test_gltf_points_beside_triangles_are_noted(tmp_path: Path) -> None:
     assert read_bytes(tmp_path, "box.glb", glb(tree, binary)).notes == ("1 set of lines or points was left out",)
 
 
+def test_nodes_of_gltf_that_are_not_visible_are_noted(tmp_path: Path) -> None:
+    tree, binary = gltf_tree()
+    for node, seen in zip(tree["nodes"], (False, True), strict=False):
+        node["extensions"] = {"KHR_node_visibility": {"visible": seen}}
+    part = read_bytes(tmp_path, "box.glb", glb(tree, binary))
+    assert part.notes == ("1 node marked as not visible (KHR_node_visibility) was counted",)
+    assert part.triangles.count == 12
+
+
 def test_primitives_that_share_positions_take_what_they_use(tmp_path: Path) -> None:
     many = np.zeros((100, 3))
     many[:8] = CORNERS
@@ -381,6 +390,49 @@ def test_only_what_is_built_counts_and_supports_do_not(tmp_path: Path) -> None:
     )
     assert names_of(part) == ["object 0"] * 12
     assert part.notes == ("1 support was left out",)
+
+
+@pytest.mark.parametrize(
+    ("kind", "note"),
+    [
+        ("support", "1 support was left out"),
+        ("solidsupport", "1 support was left out"),
+        ("other", "1 object of the type other, which is not built, was left out"),
+        ("surface", None),
+    ],
+)
+@pytest.mark.parametrize("assembly", ["model", "support", "other"])
+def test_components_say_themselves_what_they_are(assembly: str, kind: str, note: str | None, tmp_path: Path) -> None:
+    inner = '<components><component objectid="0"/><component objectid="1"/></components>'
+    resources = (
+        f'<object id="0">{mesh_3mf()}</object><object id="1" type="{kind}">{mesh_3mf()}</object>'
+        f'<object id="2" type="{assembly}">{inner}</object><object id="3" type="{assembly}">'
+        '<components><component objectid="2"/></components></object>'
+        '<object id="4"><components><component objectid="1"/></components></object>'
+    )
+    (tmp_path / "a.3mf").write_bytes(archive_3mf(model_3mf(resources, '<item objectid="3"/>')))
+    part, tree = read(tmp_path / "a.3mf"), read_tree(tmp_path / "a.3mf")
+    assert part.triangles.count == (12 if note else 24)
+    assert len(tree.nodes) == (3 if note else 4)
+    assert part.notes == tree.notes == ((note,) if note else ())
+    alone = archive_3mf(model_3mf(resources, '<item objectid="0"/><item objectid="4"/>'))
+    assert read_bytes(tmp_path, "b.3mf", alone).triangles.count == (12 if note else 24)
+
+
+@pytest.mark.parametrize("prefix", ["p", "m", "p m"])
+def test_extensions_of_3mf_that_leave_the_shape_alone_may_be_required(prefix: str, tmp_path: Path) -> None:
+    space = 'xmlns:m="http://schemas.microsoft.com/3dmanufacturing/material/2015/02"'
+    model = model_3mf(f'<object id="1">{mesh_3mf()}</object>', '<item objectid="1"/>')
+    model = model.replace("<model", f'<model {space} requiredextensions="{prefix}"')
+    assert read_bytes(tmp_path, "a.3mf", archive_3mf(model)).triangles.count == 12
+
+
+def test_a_model_in_another_unit_than_the_build_is_noted(tmp_path: Path) -> None:
+    component = '<component objectid="5" p:path="/3D/Sub.model"/>'
+    root = model_3mf(f'<object id="1"><components>{component}</components></object>', '<item objectid="1"/>', "inch")
+    sub = model_3mf(f'<object id="5">{mesh_3mf()}</object>', "", None)
+    part = read_bytes(tmp_path, "a.3mf", archive_3mf(root, sub=sub))
+    assert part.notes == ("a model in it states the unit mm, but was read in that of the build, in",)
 
 
 @pytest.mark.parametrize("value", ["0", "false"])

@@ -107,7 +107,8 @@ def quietly(library: str, kind: str) -> Iterator[None]:
         lines = [line.strip() for line in (*printed.getvalue().splitlines(), str(error)) if line.strip()]
         reason = next((line for line in lines if not line.startswith("Error:") and line != "1"), type(error).__name__)
         raise ReadError(
-            f"{library} cannot read it as {kind} ({shown(reason, 80)}): it is damaged, export the mesh again"
+            f"{library} cannot read it as {kind} ({shown(reason, 80)}): it is damaged, or of a kind that is not read; "
+            "export the mesh again, or as another format"
         ) from None
 
 

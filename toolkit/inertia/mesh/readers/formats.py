@@ -45,7 +45,9 @@ FORMATS = {
     "vtu": Format((".vtu",), rb"(?s)\s*<(?:.*<)?VTKFile\b", "meshio", "read_with_meshio"),
     "gmsh": Format((".msh",), rb"(?s)\s*(?:\$Comments\b.*?\$EndComments\s*)?\$MeshFormat\b", "gmsh", "read_gmsh"),
     "mujoco": Format((".msh",), None, "msh", "read_mujoco_msh"),  # known by its size; by its name it is Gmsh
-    "nastran": Format((".nas", ".bdf", ".fem"), rb"(?s)(?:.*\n)?[ \t]*BEGIN BULK\b", "meshio", "read_with_meshio"),
+    "nastran": Format(
+        (".nas", ".bdf", ".fem"), rb"(?si)(?:.*\n)?[ \t]*BEGIN[ \t]+BULK\b", "meshio", "read_with_meshio"
+    ),
     "abaqus": Format(
         (".inp",),
         rb"(?i)(?:\s*\*\*[^\n]*\n)*\s*\*(?:HEADING|NODE|PART|PREPRINT|ELEMENT)\b",

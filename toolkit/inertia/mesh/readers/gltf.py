@@ -73,8 +73,12 @@ def _read(path: Path, do: Callable[[Scene], T]) -> tuple[T, tuple[str, ...]]:
     text, binary = _chunks(path)
     scene = Scene(parse(text), binary, path.parent)
     result = do(scene)
-    left_out = scene.left_out
-    return result, (f"{plural(left_out, 'set')} of lines or points {was(left_out)} left out",) if left_out else ()
+    notes = []
+    if left_out := scene.left_out:
+        notes.append(f"{plural(left_out, 'set')} of lines or points {was(left_out)} left out")
+    if hidden := scene.hidden:
+        notes.append(f"{plural(hidden, 'node')} marked as not visible (KHR_node_visibility) {was(hidden)} counted")
+    return result, tuple(notes)
 
 
 class Stored(NamedTuple):
@@ -143,7 +147,7 @@ class Scene:
         self.binary = binary
         self.folder = folder
         self.buffers: dict[int, Stored] = {}
-        self.left_out = 0
+        self.left_out = self.hidden = 0
         asset = tree.object("asset")
         version = asset.label("version") or asset.text("version")
         if not version.startswith("2."):
@@ -204,7 +208,9 @@ class Scene:
             if index in visited:
                 raise ReadError(f"node {index} hangs in two places: export it again")
             visited.add(index)
-            if "EXT_mesh_gpu_instancing" in node.object("extensions", {}):
+            extensions = node.object("extensions", {})
+            self.hidden += extensions.object("KHR_node_visibility", {}).label("visible") == "False"
+            if "EXT_mesh_gpu_instancing" in extensions:
                 raise ReadError(
                     f"node {index} uses EXT_mesh_gpu_instancing: export it without instancing", code="not_read"
                 )

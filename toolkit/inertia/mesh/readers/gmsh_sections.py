@@ -69,8 +69,12 @@ class MshFile:
         self.size_type = f"u{int(header[3])}"
 
     def section(self, name: str) -> bytes | None:
-        """Return what stands between `$name` and `$Endname`; None where there is no such section."""
-        start = re.search(rb"^\$" + name.encode() + rb"[ \t]*\r?\n", self.data, re.MULTILINE)
+        """Return what stands between `$name` and `$Endname`; None where there is no such section.
+
+        The format lets sections be repeated, but no program is known to write them so.
+        """
+        begins = re.compile(rb"^\$" + name.encode() + rb"[ \t]*\r?\n", re.MULTILINE)
+        start = begins.search(self.data)
         if start is None:
             return None
         end = self.data.find(b"$End" + name.encode(), start.end())
@@ -78,6 +82,8 @@ class MshFile:
             raise ReadError(
                 f"its section ${name} has no $End{name}: it was cut short, export it again", code="cut_short"
             )
+        if begins.search(self.data, end):
+            raise ReadError(f"it has the section ${name} twice, but one is read: save it as one mesh", code="not_read")
         return self.data[start.end() : end]
 
     def numbers(self, name: str) -> Section:

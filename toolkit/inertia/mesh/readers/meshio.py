@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Int
 from inertia.errors import ReadError
 from inertia.mesh.part import Rounding
+from inertia.mesh.readers.abaqus import plain_input
 from inertia.mesh.readers.cells import Block, cell_contents
 from inertia.mesh.readers.contents import UNNAMED, Contents, plural, quietly, shown, text_of, was
 from inertia.mesh.readers.decimals import rounding_of
@@ -44,6 +45,8 @@ _ALIGNED = {8: ("pixel", 9, (0, 1, 3, 2)), 11: ("voxel", 12, (0, 1, 3, 2, 4, 5, 
 
 _SEVERAL = {2: "poly-vertex", 4: "poly-line", 6: "triangle strip"}
 """VTK's cells of any number of others."""
+
+_GHOST = 1 | 32  # of another piece, or hidden
 
 _POLYGON = 7  # of VTK, the one kind of any size that meshio reads from lists
 
@@ -70,15 +73,19 @@ def read_with_meshio(path: Path, kind: str) -> Contents:
             return read_with_meshio(plain, kind)
     expected = cells_expected(path, kind)
     notes = [_NO_END] if kind == "medit" and not _ends(path) else []
-    text = None
+    text: bytes | None = None
     if kind == "nastran":
-        text = plain_bulk_data(without_comments(text_of(path)), NASTRAN_READ)
+        text, more = plain_bulk_data(without_comments(text_of(path)), NASTRAN_READ)
+        notes += more
+    elif kind == "abaqus":
+        text = plain_input(text_of(path))
+    if text is None:
+        mesh = _mesh(path, kind)
+    else:
         with temporary_folder() as folder:
-            plain = folder / "part.bdf"
+            plain = folder / "part"
             plain.write_bytes(text)
             mesh = _mesh(plain, kind)
-    else:
-        mesh = _mesh(path, kind)
     contents = contents_of(mesh, expected)
     rounding = _rounding(path, kind, mesh.points, text)
     return replace(contents, notes=(*contents.notes, *notes), rounding=rounding)
@@ -96,6 +103,16 @@ def contents_of(mesh: Any, expected: int | None = None) -> Contents:
             "use cells of first or second order, and export the mesh again"
         )
     names, regions, of_sets = _regions(mesh, [len(block) for block in nodes])
+    ghosts = [
+        np.asarray(ghost).reshape(-1).astype(np.int64) & _GHOST != 0
+        for ghost in mesh.cell_data.get("vtkGhostType", [np.zeros(len(block), np.int64) for block in nodes])
+    ]
+    if left_out := int(sum(map(np.count_nonzero, ghosts))):
+        of_sets.append(
+            f"{plural(left_out, 'cell')} that vtkGhostType calls duplicate or hidden {was(left_out)} left out"
+        )
+        nodes = [block[~ghost] for block, ghost in zip(nodes, ghosts, strict=True)]
+        regions = [each if each is None else each[~ghost] for each, ghost in zip(regions, ghosts, strict=True)]
     blocks: list[Block] = [
         (block.type, corners, region) for block, corners, region in zip(mesh.cells, nodes, regions, strict=True)
     ]
@@ -136,15 +153,7 @@ def _mesh(path: Path, kind: str) -> Any:
         lists = meshio.vtk._vtk_42
         if lists.translate_cells is not _vtk_lists:
             lists.cells_of_meshio, lists.translate_cells = lists.translate_cells, _vtk_lists
-        meshio.abaqus._abaqus.read = _include
         return meshio.read(path, file_format=kind)
-
-
-def _include(file: Path) -> None:
-    """Refuse another file: meshio looks for it anywhere, and takes `IN*CLUDE` for the keyword too."""
-    raise ReadError(
-        f"its *INCLUDE of {shown(file.name)} is not read: write nodes and elements out in full", code="not_read"
-    )
 
 
 def _vtk_cells(corners: Int, ends: Int, types: Int, cell_data: dict[str, Any]) -> Any:

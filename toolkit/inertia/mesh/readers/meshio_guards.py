@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from inertia.errors import ReadError
-from inertia.mesh.readers.contents import beneath, numbers, shown, text_of
+from inertia.mesh.readers.contents import beneath, numbers, plural, shown, text_of
+from inertia.mesh.readers.nastran import BEGIN, END
 from inertia.mesh.readers.trimesh import parse_xml
 
 _LINES = re.IGNORECASE | re.MULTILINE
@@ -29,13 +30,14 @@ _VTK_KIND = re.compile(rb"^[ \t]*DATASET[ \t]+(\w+)", _LINES)
 _VTK_CELLS = re.compile(rb"^[ \t]*CELL_TYPES[ \t]+(\d{1,18})\b", _LINES)
 _VTK_LISTS = re.compile(rb"^[ \t]*CELLS[ \t]+(\d{1,18})\b", _LINES)
 _VTU_KIND = re.compile(rb"<VTKFile[^>]*\btype\s*=\s*[\"'](\w+)")
+_VTU_PACKED = re.compile(rb"<VTKFile[^>]*\bcompressor\s*=\s*[\"'](?!vtkZLibDataCompressor)([^\"']+)")
 _VTU_CELLS = re.compile(rb"\bNumberOfCells\s*=\s*[\"']\s*(\d{1,18})\s*[\"']")
 
 _NASTRAN_CARD = re.compile(
-    rb"^(?:CTET|CPYR|CPEN|CHEX|CTRI|CTRA|CQUA|CSHE|CELAS1|CBEAM|CBUSH|CROD|CGAP|CBAR)\w*\*?", _LINES
+    rb"^(?:CTET|CPYR|CPEN|CHEX|CTRI|CTRA|CQUA|CSHE|CBEAM|CROD|CBAR|CONROD|CTUBE|CBEND)\w*\*?", _LINES
 )
 NASTRAN_READ = frozenset(
-    b"CELAS1 CBEAM CBUSH CBUSH1D CROD CGAP CBAR CTRIAR CTRIA3 CTRAX6 CTRIAX6 CTRIA6 CQUADR CSHEAR CQUAD4 "
+    b"CBEAM CROD CBAR CTRIAR CTRIA3 CTRAX6 CTRIAX6 CTRIA6 CQUADR CSHEAR CQUAD4 "
     b"CQUAD8 CQUAD9 CTETRA CPYRAM CPYRA CPENTA CHEXA".split()
 )
 _NASTRAN_REFUSED = re.compile(rb"^(?:INCLUDE|GRDSET)\b", _LINES)
@@ -44,25 +46,19 @@ _NASTRAN_COMMENT = re.compile(rb"^[^$\n][^\n]{0,71}\$", re.MULTILINE)
 _NASTRAN_TRAILING = re.compile(rb"^([^$\r\n][^$\r\n]*[ \t,])\$[^\r\n]*", re.MULTILINE)
 _NASTRAN_EMPTY = re.compile(rb"^(?:[*+][^\n,]{0,7}|(?![$#,])(?=[ \t]?\S)[^\r\n]{1,2})[ \t]*\r?$", re.MULTILINE)
 
-_ABAQUS_NODES = re.compile(rb"^[ \t]*\*NODE[ \t]*(?:,[^\r\n]*)?\r?$", _LINES)
-_ABAQUS_INSTANCE = re.compile(rb"^[ \t]*\*INSTANCE\b[^\n]*\n[ \t]*([^*\s]?)", _LINES)
-_ABAQUS_REFUSED = re.compile(
-    rb"^[ \t]*\*(?:INCLUDE|NGEN|NFILL|NCOPY|NMAP|ELGEN|ELCOPY|SYSTEM)\b"
-    rb"|^[ \t]*\*(?:NODE|ELEMENT)[ \t]*,[^\n]*\b(?:INPUT|SYSTEM)[ \t]*=",
-    _LINES,
-)
-_ABAQUS_ELEMENTS = re.compile(rb"^[ \t]*\*ELEMENT\b[^\n]*\n((?:(?![ \t]*\*)[^\n]*\n)*)", _LINES)
-_ABAQUS_CONTINUED = re.compile(rb",[ \t]*\r?\n")
-_ABAQUS_RANGE = re.compile(
-    rb"^[ \t]*\*(?:EL|N)SET\b[^\n]*\bGENERATE\b[^\n]*\n[ \t]*(\d{1,18})[ \t]*,[ \t]*(\d{1,18})", _LINES
-)
-
 _MEDIT_END = re.compile(rb"^[ \t]*End\b", re.MULTILINE)
 _MEDIT_TABLE = re.compile(rb"^[ \t]*([A-Z][A-Za-z]+)\s+\d", re.MULTILINE)
 
 _TEXT = ("nastran", "abaqus", "medit", "netgen", "su2", "avsucd")
+_MEDIT_CURVED = re.compile(
+    rb"^[ \t]*((?:Edges|Triangles|Quadrilaterals|Tetrahedra|Hexahedra|Prisms|Pyramids)[PQ]\d)\b", re.MULTILINE
+)
+
 _SEPARATORS = re.compile(rb"[\x0b\x0c\x1c-\x1f]")
 """Characters that Python takes for white space, and no format does."""
+
+_LOW_LINES = re.compile(rb"(?<!\S)[-+]?[\d.]+(?:_[\d.]+)+(?!\S)")
+"""What Python takes for a number, and no format does."""
 
 _SU2_NODES = {b"3": 2, b"5": 3, b"9": 4, b"10": 4, b"12": 8, b"13": 6, b"14": 5}
 
@@ -82,6 +78,8 @@ def cells_expected(path: Path, kind: str) -> int | None:
         separator = _SEPARATORS.search(path.read_bytes())
         if separator is not None:
             raise ReadError(f"it holds the control character {shown(separator[0])}: it is damaged, export it again")
+    if kind in ("netgen", "avsucd") and (word := _LOW_LINES.search(path.read_bytes())):
+        raise ReadError(f"it holds {shown(word[0])}, which is not a number: export the file again", code="not_a_number")
     match kind:
         case "vtk":
             return _vtk(data)
@@ -89,8 +87,6 @@ def cells_expected(path: Path, kind: str) -> int | None:
             return _vtu(path.read_bytes())
         case "nastran":
             return _nastran(without_comments(text_of(path)))
-        case "abaqus":
-            _abaqus(text_of(path) + b"\n")
         case "med":
             _hdf5(path)
         case "xdmf":
@@ -124,6 +120,12 @@ def _vtu(data: bytes) -> int:
         raise ReadError(
             f"it is a VTK dataset of the kind {shown(kind[1])}: save it as an unstructured grid", code="not_read"
         )
+    packed = _VTU_PACKED.search(data[:65_536])
+    if packed:
+        raise ReadError(
+            f"its data are packed by {shown(packed[1])}, which is not read: save it by vtkZLibDataCompressor",
+            code="not_read",
+        )
     pieces = re.findall(rb"<Piece\b[^>]*", data)
     if len(pieces) != 1:
         raise ReadError(f"it has {len(pieces)} pieces, but one is read: merge them into one unstructured grid")
@@ -139,6 +141,9 @@ def _medit(data: bytes) -> None:
         raise ReadError("text follows its End: it was cut short or damaged, export it again", code="cut_short")
     if end is None and not data.endswith(b"\n"):
         raise ReadError("it has no End, and its last line no end: it was cut short, export it again", code="cut_short")
+    curved = _MEDIT_CURVED.search(data)
+    if curved is not None:
+        raise ReadError(f"its table {shown(curved[1])} is not read: use cells of first order", code="not_read")
     tables = _MEDIT_TABLE.findall(data)
     if len(set(tables)) < len(tables):
         raise ReadError("it has a table twice: export it again")
@@ -178,13 +183,14 @@ def _su2(data: bytes) -> int:
 
 def without_comments(data: bytes) -> bytes:
     """Return Nastran's bulk data without the comments that stand behind the fields of a line."""
-    begin = data.find(b"BEGIN BULK")
-    return data[:begin] + _NASTRAN_TRAILING.sub(lambda line: line[1].rstrip(b" \t"), data[begin:])
+    begin = BEGIN.search(data)
+    at = begin.start() if begin else len(data)
+    return data[:at] + _NASTRAN_TRAILING.sub(lambda line: line[1].rstrip(b" \t"), data[at:])
 
 
 def _nastran(data: bytes) -> int:
-    begin = re.search(rb"^[ \t]*BEGIN BULK", data, re.MULTILINE)
-    end = re.compile(rb"^ENDDATA", re.MULTILINE).search(data, begin.end()) if begin else None
+    begin = BEGIN.search(data)
+    end = END.search(data, begin.end()) if begin else None
     if begin is None or end is None:
         missing = "ENDDATA" if begin else "BEGIN BULK"
         raise ReadError(
@@ -207,38 +213,11 @@ def _nastran(data: bytes) -> int:
         )
     cards = _NASTRAN_CARD.findall(bulk)
     for card in cards:
-        if card not in NASTRAN_READ:
+        if card.upper() not in NASTRAN_READ:
             raise ReadError(
                 f"its card {shown(card)} is not read: write elements in small or free field format", code="not_read"
             )
     return len(cards)
-
-
-def _abaqus(data: bytes) -> None:
-    refused = _ABAQUS_REFUSED.search(data)
-    if refused:
-        raise ReadError(
-            f"its keyword {shown(refused[0])} is not read: write nodes and elements out in full", code="not_read"
-        )
-    for block in _ABAQUS_ELEMENTS.findall(data):
-        rows = [row.split(b",") for row in _ABAQUS_CONTINUED.sub(b",", block).splitlines() if row.strip()]
-        if any(not word.strip() for row in rows for word in row[:-1]) or len({len(row) for row in rows}) > 1:
-            raise ReadError(
-                "its elements lack nodes, or have different numbers of them: it was cut short or damaged",
-                code="cut_short",
-            )
-    instances = _ABAQUS_INSTANCE.findall(data)
-    blocks = len(_ABAQUS_NODES.findall(data))
-    if blocks > 1 or len(instances) > 1:
-        raise ReadError(
-            f"it has {blocks} *NODE blocks and {len(instances)} instances, but one of each is read: "
-            "export one part, with its nodes in one block"
-        )
-    if any(instances):
-        raise ReadError("its *INSTANCE moves the part, which is not read: export the part by itself", code="not_read")
-    for first, last in _ABAQUS_RANGE.findall(data):
-        if int(last) - int(first) > len(data):
-            raise ReadError(f"a set in it runs from {int(first)} to {int(last)}, beyond its elements: export it again")
 
 
 def _hdf5(path: Path) -> None:
@@ -280,7 +259,17 @@ def _xdmf(path: Path) -> None:
     if importlib.util.find_spec("h5py") is None:
         raise ReadError("MED and XDMF need the package h5py: pip install 'inertia[med]'", code="needs_package")
     checked: set[Path] = set()
-    for item in parse_xml(path.read_bytes()).iter():  # a `Reference` may make any element a data item
+    root = parse_xml(path.read_bytes())
+    grids = list(root.iter("Grid"))
+    kinds = {grid.get("GridType", "Uniform") for grid in grids}
+    if len(grids) > 1 or kinds - {"Uniform"}:
+        raise ReadError(
+            f"it has {plural(len(grids), 'grid')} ({', '.join(sorted(kinds))}), but one, uniform, is read: write it so",
+            code="not_read",
+        )
+    if any(not (item.text or "").strip() for grid in grids for item in grid.findall("Information")):
+        raise ReadError("its grid has an Information without text, which is not read: leave that out", code="not_read")
+    for item in root.iter():  # a `Reference` may make any element a data item
         kind = item.get("Format", "").upper()
         if kind == "BINARY":
             raise ReadError(

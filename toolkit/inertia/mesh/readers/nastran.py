@@ -2,7 +2,8 @@
 
 A line continues the card before it where its first field is blank, or begins with + or *. A blank coordinate is 0.
 Where an element has some of its midside nodes, the others are in the middles of their edges, whose decimals are exact;
-without any it is of first order.
+without any it is of first order. What stands behind the nodes of shells and rods (angles, thicknesses, orientations,
+offsets) is left aside; springs, dampers, gaps and point masses have no material, and are left out with a note.
 """
 
 from __future__ import annotations
@@ -12,14 +13,15 @@ from collections.abc import Iterator
 from decimal import Decimal, localcontext
 
 from inertia.errors import ReadError
-from inertia.mesh.readers.contents import plural, shown
+from inertia.mesh.readers.contents import plural, shown, was
 
-_BEGIN = re.compile(rb"^[ \t]*BEGIN BULK[^\n]*\n?", re.MULTILINE)
-_END = re.compile(rb"^ENDDATA", re.MULTILINE)
+_LINES = re.IGNORECASE | re.MULTILINE
+BEGIN = re.compile(rb"^[ \t]*BEGIN[ \t]+BULK[^\n]*\n?", _LINES)
+END = re.compile(rb"^ENDDATA", _LINES)
 _NUMBER = re.compile(
-    r"([-+]?(?:\d+\.?\d*|\.\d+))(?:[eEdD]?([-+]\d{1,9})|[eEdD](\d{1,9}))?"
+    r"([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eEdD]?([-+][0-9]{1,9})|[eEdD]([0-9]{1,9}))?"
 )  # 7.+1, 7.D+1, 7.D1, 7.E1, 7.
-_WHOLE = re.compile(r"\d{1,18}")
+_WHOLE = re.compile(r"[0-9]{1,18}")
 _DIGITS = 60  # of a middle: more than two numbers of 16 characters need, unless they are 1e40 apart
 
 _EDGES = {
@@ -38,36 +40,66 @@ _EDGES["CPYRA"] = _EDGES["CPYRAM"]
 """The corners whose edge each midside node is on, in Nastran's order."""
 
 _CORNERS = {card: max(max(edge) for edge in edges) + 1 for card, edges in _EDGES.items()}
+_CORNERS |= dict.fromkeys(("CQUAD4", "CQUADR", "CSHEAR"), 4) | dict.fromkeys(("CTRIA3", "CTRIAR"), 3)
+_CORNERS |= dict.fromkeys(("CROD", "CBAR", "CBEAM"), 2)
+_OFFSETS = {"CTRIA3": 6, "CQUAD4": 7, "CTRIA6": 9, "CQUAD8": 15}
+"""The field, from that of the number on, that says how far a shell is off its nodes."""
+
+_LEFT_OUT = {
+    ("element", " without material (spring, damper or gap)"): re.compile(
+        r"C(ELAS[1-4]|DAMP[1-5]|BUSH|BUSH1D|BUSH2D|GAP|VISC)"
+    ),
+    ("element", " of concentrated mass"): re.compile(r"CONM[12]|CMASS[1-4]"),
+}
 _FIRST_ORDER = {"CTRIA6": "CTRIA3", "CQUAD8": "CQUAD4"}  # a solid of first order has the name of one of second order
 
 
-def plain_bulk_data(data: bytes, elements: frozenset[bytes]) -> bytes:
-    """Return the grid points and `elements` of bulk data without trailing comments, a line of free fields each."""
-    begin = _BEGIN.search(data)
-    end = _END.search(data, begin.end()) if begin else None
+def plain_bulk_data(data: bytes, elements: frozenset[bytes]) -> tuple[bytes, list[str]]:
+    """Return the grid points and `elements` of bulk data without trailing comments, a line of free fields each.
+
+    With them come notes on what was left out.
+    """
+    begin = BEGIN.search(data)
+    end = END.search(data, begin.end()) if begin else None
     assert begin is not None  # as the guards have found
     assert end is not None
     names = {name.decode() for name in elements}
     points: dict[str, tuple[str, ...]] = {}
+    places: dict[str, tuple[float, ...]] = {}
     lines, cards = [], []
+    left_out = dict.fromkeys(_LEFT_OUT, 0)
+    offsets = 0
     for name, fields in _cards(data[begin.end() : end.start()].decode("latin-1")):
         if name == "GRID":
-            number = _whole(name, fields[:1], fields[0])
+            number = whole(f"GRID {shown(fields[0])}", fields[0])
             if len(fields) < 5:
                 raise ReadError(f"its GRID {number} has two coordinates: the line that continues it is missing")
-            at = tuple(_number(number, field) for field in fields[2:5])
-            points[number] = at
-            lines.append(",".join([name, number, fields[1] or "0", *at]))
+            system = whole(f"GRID {number}", fields[1] or "0")
+            at = tuple(real(f"GRID {number}", field or "0.0") for field in fields[2:5])
+            if once(f"GRID {number}", places, number, (*map(float, at), float(system))):
+                points[number] = at
+                lines.append(",".join([name, number, system, *at]))
         elif name in names:
             cards.append((name, fields))
+            offset = "".join(fields[_OFFSETS[name] :][:1]) if name in _OFFSETS else ""
+            offsets += bool(offset) and float(real(f"{name} {shown(fields[0])}", offset)) != 0
+        for what, names_of in _LEFT_OUT.items():
+            left_out[what] += names_of.fullmatch(name) is not None
     middles: dict[tuple[str, str], str] = {}
-    elements_of = [(name, fields[:2], _nodes(name, fields, points, middles)) for name, fields in cards]
+    elements_of = [
+        (name, _wholes(name, fields, fields[:2]), _nodes(name, fields, points, middles)) for name, fields in cards
+    ]
     for ends, number in middles.items():
         lines.append(",".join(["GRID", number, "0", *_middle(*(points[end] for end in ends))]))
     for name, head, nodes in elements_of:
         plain = _FIRST_ORDER.get(name, name) if len(nodes) == _CORNERS.get(name) else name
         lines.append(",".join([plain, *head, *nodes]))
-    return "\n".join(["BEGIN BULK", *lines, "ENDDATA", ""]).encode("latin-1")
+    notes = [f"{plural(n, what)}{more} {was(n)} left out" for (what, more), n in left_out.items() if n]
+    if offsets:
+        notes.append(
+            f"the offset of {plural(offsets, 'shell')} from {'its' if offsets == 1 else 'their'} nodes was left out"
+        )
+    return "\n".join(["BEGIN BULK", *lines, "ENDDATA", ""]).encode("latin-1"), notes
 
 
 def _cards(text: str) -> Iterator[tuple[str, list[str]]]:
@@ -86,7 +118,7 @@ def _cards(text: str) -> Iterator[tuple[str, list[str]]]:
             raise ReadError(f"its line {shown(line.strip())} begins with blanks: write its name in the first column")
         if name:
             yield name, fields
-        name, fields = first.removesuffix("*"), more
+        name, fields = first.removesuffix("*").upper(), more
     if name:
         yield name, fields
 
@@ -113,20 +145,21 @@ def _nodes(
 ) -> list[str]:
     """Return the nodes of an element, those in the middles of edges too; `middles` gives these numbers of their own."""
     rest = fields[2:]
-    if name not in _EDGES:
+    if name not in _CORNERS:
         return [field for field in rest if field]
-    edges, count = _EDGES[name], _CORNERS[name]
+    edges, count = _EDGES.get(name, ()), _CORNERS[name]
     while rest and not rest[-1]:
         del rest[-1]
-    flat = name in _FIRST_ORDER  # angles and thicknesses may follow
+    flat = name in _FIRST_ORDER or not edges  # angles and thicknesses may follow
     corners, sides, beyond = rest[:count], rest[count : count + len(edges)], rest[count + len(edges) :]
     if len(corners) < count or not all(corners) or (beyond and not flat):
         has = plural(len([field for field in rest if field]), "node")
         raise ReadError(
-            f"its {name} {shown(fields[0])} has {has}: it needs {count} corners, and at most {len(edges)} nodes in the "
-            "middles of its edges; export the mesh again"
+            f"its {name} {shown(fields[0])} has {has}: it needs {count} corners"
+            + (f", and at most {len(edges)} nodes in the middles of its edges" if edges else "")
+            + "; export the mesh again"
         )
-    corners, sides = ([field and _whole(name, fields, field) for field in some] for some in (corners, sides))
+    corners, sides = (_wholes(name, fields, some) for some in (corners, sides))
     unknown = next((node for node in (*corners, *sides) if node and node not in points), None)
     if unknown is not None:
         raise ReadError(
@@ -134,7 +167,7 @@ def _nodes(
             code="node_out_of_range",
         )
     if not any(sides):
-        return [*corners, *(field for field in beyond if field)]
+        return corners
     for k, (a, b) in enumerate(edges):
         if k == len(sides):
             sides.append("")
@@ -142,7 +175,12 @@ def _nodes(
             ends = corners[a], corners[b]
             highest = max(map(int, points), default=0) if not middles else int(next(reversed(middles.values())))
             sides[k] = middles.setdefault((min(ends), max(ends)), str(highest + 1))
-    return [*corners, *sides, *(field for field in beyond if field)]
+    return [*corners, *sides]
+
+
+def _wholes(name: str, fields: list[str], some: list[str]) -> list[str]:
+    """Return some fields of a card as whole numbers, those that are blank as they are."""
+    return [field and whole(f"{name} {shown(fields[0])}", field) for field in some]
 
 
 def _middle(a: tuple[str, ...], b: tuple[str, ...]) -> list[str]:
@@ -152,21 +190,29 @@ def _middle(a: tuple[str, ...], b: tuple[str, ...]) -> list[str]:
         return [str((Decimal(x) + Decimal(y)) / 2) for x, y in zip(a, b, strict=True)]
 
 
-def _number(point: str, field: str) -> str:
-    """Return a real number as every program writes it: Nastran may leave out the E of its exponent, or write D."""
-    match = _NUMBER.fullmatch(field or "0.0")
+def once(what: str, places: dict[str, tuple[float, ...]], number: str, place: tuple[float, ...]) -> bool:
+    """Take in where a point is, and say whether it is new; raise `ReadError` where it is elsewhere already."""
+    new = number not in places
+    if places.setdefault(number, place) != place:
+        raise ReadError(f"it defines {what} twice, in two places: export it again")
+    return new
+
+
+def real(what: str, field: str) -> str:
+    """Return a real number as every program writes it: the E of its exponent may be left out, or be a D."""
+    match = _NUMBER.fullmatch(field)
     if match is None:
         raise ReadError(
-            f"its GRID {point} holds {shown(field)}, which is not a number: export the file again", code="not_a_number"
+            f"its {what} holds {shown(field)}, which is not a number: export the file again", code="not_a_number"
         )
     exponent = match[2] or match[3]
     return match[1] + (f"E{exponent}" if exponent else "")
 
 
-def _whole(name: str, fields: list[str], field: str) -> str:
+def whole(what: str, field: str) -> str:
+    """Return a whole number without zeros before it."""
     if not _WHOLE.fullmatch(field):
         raise ReadError(
-            f"its {name} {shown(fields[0])} holds {shown(field)}, which is not a whole number: export the file again",
-            code="not_a_number",
+            f"its {what} holds {shown(field)}, which is not a whole number: export the file again", code="not_a_number"
         )
     return str(int(field))

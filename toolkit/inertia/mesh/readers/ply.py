@@ -96,9 +96,13 @@ def read_ply(path: Path, memory: float | None = None) -> Contents:
     if data.tobytes().strip(b"\r\n"):
         left = f"{len(data)} bytes" if _ORDERS[encoding] else f"{len(data) // 8} numbers"
         raise ReadError(f"{left} follow the rows that its header counts: its counts are wrong, export it again")
+    if others := [name for name, table in tables.items() if name != "face" and not table.keys().isdisjoint(_CORNERS)]:
+        raise ReadError(
+            f"its element {shown(others[0])} lists vertices too, which is not read: export its triangles as faces",
+            code="not_read",
+        )
     if "face" not in tables:
-        strips = " but triangle strips" if "tristrips" in tables else ""
-        raise ReadError(f"it holds no faces{strips}: export the part as a surface mesh", code="empty")
+        raise ReadError("it holds no faces: export the part as a surface mesh", code="empty")
     counts, corners = _faces(tables["face"])
     vertices = _vertices(tables.get("vertex", {}))
     whole, _, notes = split_polygons(vertices, counts, corners)

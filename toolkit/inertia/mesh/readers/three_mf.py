@@ -1,16 +1,19 @@
 """3MF: build items place objects, which are meshes or assemblies of objects, of this model or of another.
 
-Supports and other helpers of the printer are no part of the product and are left out. Items that a slicer has marked
-``printable="0"`` count: the format knows no such attribute, and to any other program they are items as the rest.
+Supports and other helpers of the printer are no part of the product and are left out, as components too: what a mesh is
+its own object says, not one that is made of components (section 4). Items that a slicer has marked ``printable="0"``
+count: the format knows no such attribute, and to any other program they are items as the rest.
 Source: 3MF Consortium, "Core Specification" 1.3, sections 3 and 4, and "Production Extension" 1.1, section 4.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import field, replace
 from functools import cached_property, partial
 from pathlib import Path
+from typing import TypeVar
 from xml.parsers import expat
 
 import numpy as np
@@ -39,10 +42,19 @@ from inertia.units import Unit, length_unit
 
 _UNITS = ("micron", "millimeter", "centimeter", "inch", "foot", "meter")
 _HELPERS = ("support", "solidsupport", "other")
+_UNDERSTOOD = (
+    "http://schemas.microsoft.com/3dmanufacturing/core/",
+    "http://schemas.microsoft.com/3dmanufacturing/production/",
+    "http://schemas.microsoft.com/3dmanufacturing/material/",
+    "http://schemas.microsoft.com/3dmanufacturing/trianglesets/",
+    "http://schemas.microsoft.com/3dmanufacturing/beamlattice/",  # which is refused where there is one
+)
+"""Extensions that a file may require, by how their namespaces begin: the others may change the shape."""
 _FALSE = ("0", "false")
 _ROOT_NAME = "3d/3dmodel.model"
 _DEPTH_LIMIT = 100
 
+T = TypeVar("T")
 _Key = tuple[str, str]
 """The part of the archive and the id that an object has there."""
 
@@ -62,8 +74,8 @@ class _Object:
         """Vertices, faces and what reading rounded; every instance shares them."""
         what = f"object {shown(self.name)}" if self.name else "an object"
         try:
-            vertices = np.array(list(map(float, self.coordinates)), np.float64).reshape(-1, 3)
-            faces = np.array(list(map(int, self.corners)), np.int64).reshape(-1, 3)
+            vertices = np.array(_numbers(self.coordinates, float), np.float64).reshape(-1, 3)
+            faces = np.array(_numbers(self.corners, int), np.int64).reshape(-1, 3)
         except (ValueError, OverflowError):
             raise ReadError(f"{what} has {self._culprit()} must stand: export it again", code="not_a_number") from None
         check_indices(faces, len(vertices), f"{what}, triangle")
@@ -75,7 +87,7 @@ class _Object:
         for words, kind, says in ((self.coordinates, float, "a number"), (self.corners, np.int64, "an index")):
             for word in words:
                 try:
-                    kind(word)
+                    kind(*_numbers([word], str))
                 except (ValueError, OverflowError):
                     return f"{shown(word)} where {says}"
         raise AssertionError("the words are numbers one by one, but not together")
@@ -126,12 +138,19 @@ def _build(path: Path) -> tuple[_Package, _Model, list[tuple[_Key, Placement]], 
     """Return what a file holds, what it builds of that but for the printer's helpers, and the notes."""
     package = _Package(inflate(path, lambda name: name.endswith((".model", ".rels"))))
     model = package.model(package.root)
-    built = [item for item in model.items if package.object(item[0]).type not in _HELPERS]
-    if sum(package.count(key) for key, _, _ in built) > EXPANDED_LIMIT:
+    counts = [package.count(key) for key, _, _ in model.items]
+    built = [item for item, (triangles, _) in zip(model.items, counts, strict=True) if triangles]
+    if sum(triangles for triangles, _ in counts) > EXPANDED_LIMIT:
         raise ReadError(f"its components make more than {EXPANDED_LIMIT} triangles: split the build", code="too_large")
+    helpers = sum((own for _, own in counts), Counter[str]())
     notes = []
-    if left_out := len(model.items) - len(built):
-        notes.append(f"{plural(left_out, 'support')} {was(left_out)} left out")
+    if others := package.units - {model.unit}:
+        which = " and ".join(sorted(unit.name for unit in others))
+        notes.append(f"a model in it states the unit {which}, but was read in that of the build, {model.unit.name}")
+    if unbuilt := helpers.pop("other", 0):
+        notes.append(f"{plural(unbuilt, 'object')} of the type other, which is not built, {was(unbuilt)} left out")
+    if supports := helpers.total():
+        notes.append(f"{plural(supports, 'support')} {was(supports)} left out")
     if unprinted := sum(not printed for _, _, printed in built):
         notes.append(
             f'{plural(unprinted, "build item")} that a slicer has marked as not to be printed (printable="0") '
@@ -146,7 +165,7 @@ class _Package:
     def __init__(self, members: dict[str, bytes]) -> None:
         self._members = members
         self._models: dict[str, _Model] = {}
-        self._counts: dict[_Key, int] = {}
+        self._counts: dict[_Key, tuple[int, Counter[str]]] = {}
         self._open: list[_Key] = []
 
     @property
@@ -171,6 +190,11 @@ class _Package:
             self._models[part] = _parse_model(part, self._members[part])
         return self._models[part]
 
+    @property
+    def units(self) -> set[Unit]:
+        """Units that the models which have been asked for state."""
+        return {model.unit for model in self._models.values()}
+
     def object(self, key: _Key) -> _Object:
         """Return an object."""
         part, name = key
@@ -179,8 +203,11 @@ class _Package:
             raise ReadError(f"it places object {shown(name)}, which it does not hold: export it again")
         return item
 
-    def count(self, key: _Key) -> int:
-        """Return the triangles that an object expands to (at least one each), without expanding it."""
+    def count(self, key: _Key) -> tuple[int, Counter[str]]:
+        """Return the triangles that an object expands to, without expanding it, and the helpers in it, by their type.
+
+        Every mesh has at least one triangle, but helpers have none, and components of nothing else are taken out.
+        """
         if key in self._open or len(self._open) > _DEPTH_LIMIT:
             raise ReadError(
                 f"object {shown(key[1])} is a component of itself or nested too deep: export it again", code="cycle"
@@ -188,13 +215,17 @@ class _Package:
         if key not in self._counts:
             item = self.object(key)
             self._open.append(key)
-            inside = sum(self.count(component) for component, _ in item.components)
+            inside = [self.count(component) for component, _ in item.components]
             self._open.pop()
-            if not item.corners and not item.components:
+            helper = not inside and item.type in _HELPERS
+            if not (item.corners or inside or helper):
                 raise ReadError(
                     f"object {shown(item.name or key[1])} has neither triangles nor components", code="empty"
                 )
-            self._counts[key] = max(1, inside + len(item.corners) // 3)
+            triangles = 0 if helper else sum(count for count, _ in inside) + len(item.corners) // 3
+            helpers = Counter([item.type]) if helper else sum((own for _, own in inside), Counter[str]())
+            item.components = [each for each, (count, _) in zip(item.components, inside, strict=True) if count]
+            self._counts[key] = triangles, helpers
         return self._counts[key]
 
     def pieces(self, key: _Key, place: Placement, inherited: str | None = None) -> Iterator[Piece]:
@@ -225,6 +256,7 @@ def _parse_model(part: str, data: bytes) -> _Model:
     model = _Model(length_unit("mm"))
     inside: list[_Object] = []  # the object that is being read
     core = ""
+    spaces: dict[str, str] = {}
 
     def reference(attributes: dict[str, str]) -> tuple[_Key, Placement]:
         other = next((value for name, value in attributes.items() if name.endswith(" path")), None)
@@ -249,6 +281,12 @@ def _parse_model(part: str, data: bytes) -> _Model:
             model.items.append((*reference(attributes), attributes.get("printable") not in _FALSE))
         elif name == "model":
             core = space
+            for prefix in attributes.get("requiredextensions", "").split():
+                if not spaces.get(prefix, "").startswith(_UNDERSTOOD):
+                    raise ReadError(
+                        f"it requires the extension {shown(spaces.get(prefix, prefix), 80)}: export it without",
+                        code="not_read",
+                    )
             unit = attributes.get("unit", "millimeter")
             if unit not in _UNITS:
                 raise ReadError(
@@ -259,16 +297,23 @@ def _parse_model(part: str, data: bytes) -> _Model:
         elif name == "beamlattice":
             raise ReadError("it holds a beam lattice, which is not read: export the lattice as a mesh", code="not_read")
 
-    _parse(data, start)
+    _parse(data, start, spaces)
     return model
 
 
-def _parse(data: bytes, start: Callable[[str, dict[str, str]], None]) -> None:
+def _parse(data: bytes, start: Callable[[str, dict[str, str]], None], spaces: dict[str, str] | None = None) -> None:
+    """Hand each element to `start`, once the namespaces that it declares are in `spaces`, by their prefixes."""
+
+    def declare(prefix: str | None, space: str | None) -> None:
+        if spaces is not None and prefix and space:
+            spaces[prefix] = space
+
     def no_document_type(*_: object) -> None:
         raise ReadError("it declares a document type, which 3MF forbids: export it again")
 
     parser = expat.ParserCreate(namespace_separator=" ")
     parser.StartElementHandler = start
+    parser.StartNamespaceDeclHandler = declare
     parser.StartDoctypeDeclHandler = no_document_type
     try:
         parser.Parse(data, True)
@@ -284,6 +329,14 @@ def _parse(data: bytes, start: Callable[[str, dict[str, str]], None]) -> None:
         raise ReadError(f"its XML cannot be decoded ({error}): export it as UTF-8", code="encoding") from None
 
 
+def _numbers(words: Sequence[str], kind: Callable[[str], T]) -> list[T]:
+    """Return words as numbers, of which Python takes more for some than XML does; raise `ValueError` for those."""
+    text = "".join(words)
+    if "_" in text or not text.isascii():
+        raise ValueError
+    return list(map(kind, words))
+
+
 def _part_name(target: str) -> str:
     return target.lstrip("/").lower()
 
@@ -295,7 +348,7 @@ def _placement(text: str | None) -> Placement:
     words = text.split()
     matrix = np.eye(4)
     try:
-        matrix[:3] = np.array(list(map(float, words))).reshape(4, 3).T
+        matrix[:3] = np.array(_numbers(words, float)).reshape(4, 3).T
     except ValueError:
         raise ReadError(f"the transform {shown(text)} is not twelve numbers: export it again") from None
 

@@ -22,7 +22,8 @@ from OCP import (
     XCAFDoc,
 )
 
-from inertia.mesh.readers.opencascade.kernel import bodies_of, colour_of, has_faces, labels
+from inertia.mesh.readers.contents import shown
+from inertia.mesh.readers.opencascade.kernel import bodies_of, colour_of, has_faces, labels, tessellated
 from inertia.records import dataclass
 
 Colour = tuple[float, float, float]
@@ -119,6 +120,11 @@ class Document:
     ) -> Iterator[Piece]:
         shape = self._tree.GetShape_s(label)
         bodies = list(bodies_of(shape))
+        if any(map(tessellated, bodies)):
+            raise ValueError(
+                f"its product {shown(name or (path[-1] if path else str(number)))} has tessellated shapes, triangles "
+                "without surfaces, which are not read: export it with its exact shapes only, or as STL or 3MF"
+            )
         several = len(bodies) > 1
         self.loose += sum(not has_faces(piece) for piece in bodies)
         for piece in filter(has_faces, bodies):

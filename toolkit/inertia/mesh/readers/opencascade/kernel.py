@@ -6,7 +6,7 @@ import importlib
 from collections.abc import Iterator
 from typing import Any
 
-from OCP import Quantity, TopAbs, TopoDS
+from OCP import BRep, Quantity, TopAbs, TopExp, TopoDS
 
 
 def collection(new: str, module: str, old: str, *size: int) -> Any:
@@ -58,6 +58,16 @@ def bodies_of(shape: Any) -> Iterator[Any]:
 def has_faces(shape: Any) -> bool:
     """Whether what `bodies_of` yields is more than points and wires."""
     return kind_of(shape) in ("SOLID", "SHELL", "FACE")
+
+
+def tessellated(shape: Any) -> bool:
+    """Whether a face of a shape is triangles without a surface, which ends the process where a surface is asked for."""
+    walk = TopExp.TopExp_Explorer(shape, TopAbs.TopAbs_FACE)
+    while walk.More():
+        if BRep.BRep_Tool.Surface_s(cast(walk.Current(), "Face")) is None:
+            return True
+        walk.Next()
+    return False
 
 
 def colour_of(colour: Any) -> tuple[float, float, float]:

@@ -11,7 +11,7 @@ from OCP import TopLoc
 from inertia.errors import UsageError
 from inertia.mesh.readers.opencascade.convert import Bodies
 from inertia.mesh.readers.opencascade.document import Colour, Piece
-from inertia.mesh.readers.opencascade.kernel import bodies_of, colour_of, has_faces, parts_of
+from inertia.mesh.readers.opencascade.kernel import bodies_of, colour_of, has_faces, parts_of, tessellated
 
 _Named = tuple[Any, tuple[str, ...], Colour | None]
 
@@ -30,6 +30,10 @@ def bodies_in(model: Any, linear: float, angular: float) -> tuple[Bodies, int]:
     bodies, loose = Bodies(linear, angular, 1.0, in_memory=True), 0
     for shape, path, colour in _shapes(model, (), None):
         for body in bodies_of(shape):
+            if tessellated(body):
+                raise UsageError(
+                    f"this {type(model).__name__} has triangles without surfaces: give the triangles as a mesh"
+                )
             if has_faces(body):
                 here, name = body.Located(TopLoc.TopLoc_Location()), path[-1] if path else None
                 bodies.add(Piece(here, body.Location(), name, path[:-1], colour, 0, body.Location()))

@@ -1,0 +1,114 @@
+"""Input files of Abaqus: comments, tables in several blocks, names of types, sets, and what is refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.mesh.readers.samples import ABAQUS, TETRA, TETRA_POINTS
+
+from inertia import mass_properties, read
+from inertia.errors import ReadError
+from inertia.mesh.part import Cells, Part
+
+NODES = "*NODE\n" + "".join(f"{k}, {x}, {y}, {z}\n" for k, (x, y, z) in enumerate(TETRA_POINTS.tolist(), 1))
+BRICK = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,2,0\n4,0,2,0\n5,0,0,3\n6,1,0,3\n7,1,2,3\n8,0,2,3\n"
+MOVED = "*Instance, name=a, part=b\n{}1., 0., 0.\n*End Instance\n"
+
+
+def read_text(folder: Path, text: str) -> Part:
+    (folder / "a.inp").write_text(text)
+    return read(folder / "a.inp", unit="m")
+
+
+def cells_of(part: Part) -> Cells:
+    assert isinstance(part.geometry, Cells)
+    return part.geometry
+
+
+def regions_of(part: Part) -> list[str]:
+    assert part.regions is not None
+    return [part.regions.names[k] for k in part.regions.index]
+
+
+@pytest.mark.parametrize("between", ["** a comment\n", "\n", "  ** one more\n\n** and one\n"])
+def test_comments_and_blank_lines_end_no_table(between: str, tmp_path: Path) -> None:
+    cells = cells_of(read_text(tmp_path, between.join(ABAQUS.splitlines(keepends=True))))
+    assert np.array_equal(cells.points, TETRA_POINTS)
+    assert np.array_equal(cells.blocks[0].nodes, TETRA)
+    with pytest.raises(ReadError, match="moves the part"):
+        read_text(tmp_path, ABAQUS + MOVED.format(between))
+
+
+def test_a_set_holds_the_elements_of_its_own_tables(tmp_path: Path) -> None:
+    tables = "*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n*ELEMENT, TYPE=C3D4, ELSET=A\n2,2,3,4,5\n"
+    assert regions_of(read_text(tmp_path, NODES + tables)) == ["default", "A"]
+    more = "*ELEMENT, TYPE=C3D4, ELSET=B\n3,1,2,3,5\n*ELEMENT, TYPE=C3D4,\nELSET=A\n4,1,2,4,5\n5,1,3,4,5\n"
+    assert regions_of(read_text(tmp_path, NODES + tables + more)) == ["default", "A", "B", "A", "A"]
+
+
+@pytest.mark.parametrize(
+    ("rows", "regions"),
+    [
+        ("1, 5, 4", ["x", "default", "x"]),
+        ("1, 3", ["x", "x", "default"]),
+        ("1, 1, 1\n5, 5", ["x", "default", "x"]),
+        ("2, 2,", ["default"] * 3),
+    ],
+)
+def test_sets_may_be_ranges(rows: str, regions: list[str], tmp_path: Path) -> None:
+    text = NODES + "*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n3,2,3,4,5\n5,1,2,3,5\n*Elset, elset=x, generate\n" + rows
+    if "x" in regions:
+        assert regions_of(read_text(tmp_path, text)) == regions
+    else:
+        assert read_text(tmp_path, text).regions is None
+
+
+@pytest.mark.parametrize(
+    ("kind", "nodes", "text", "volume"),
+    [
+        *((kind, "1,2,3,4", NODES, 1 / 6) for kind in ("c3d4", "C3D4H", "C3D4T", "DC3D4")),
+        *((kind, "1,2,3,4,5,6,7,8", BRICK, 6) for kind in ("c3d8r", "C3D8T", "C3D8RPH", "SC8R", "SC8RT")),
+        *((kind, "1,2,3,\n4,5,6,7,8,", BRICK, 6) for kind in ("C3D8", "C3D8IH")),
+        *((kind, "1,2,3,5,6,7", BRICK, 3) for kind in ("C3D6H", "C3D6T", "SC6R")),
+    ],
+)
+def test_types_of_one_layout_are_one_kind(kind: str, nodes: str, text: str, volume: float, tmp_path: Path) -> None:
+    part = read_text(tmp_path, f"{text}*ELEMENT, TYPE={kind}\n1,{nodes}\n")
+    assert mass_properties(part, 1).volume == pytest.approx(volume, rel=1e-14)
+
+
+@pytest.mark.parametrize("kind", ["S4T", "s4r", "CPS4I", "M3D4R", "R3D4"])
+def test_shells_of_one_layout_are_one_kind(kind: str, tmp_path: Path) -> None:
+    part = read_text(tmp_path, f"{BRICK}*ELEMENT, TYPE={kind}\n1,1,2,3,4\n")
+    assert mass_properties(part, 1, shell=1).volume == pytest.approx(2, rel=1e-14)
+
+
+@pytest.mark.parametrize("kind", ["MASS", "C3D15V", "C3D27", "CAX4", "SPRINGA", "U1", ""])
+def test_other_types_are_refused_by_name(kind: str, tmp_path: Path) -> None:
+    with pytest.raises(ReadError, match=f"its elements of the type '{kind}' are not read"):
+        read_text(tmp_path, f"{ABAQUS}*ELEMENT, TYPE={kind}\n9,1\n")
+
+
+def test_a_type_has_its_number_of_nodes(tmp_path: Path) -> None:
+    with pytest.raises(ReadError, match="as element '1', which needs 4"):
+        read_text(tmp_path, BRICK + "*ELEMENT, TYPE=S4\n" + "".join(f"{k},1,2,3\n" for k in range(1, 6)))
+
+
+def test_numbers_are_those_of_fortran(tmp_path: Path) -> None:
+    shift = ABAQUS.replace("1, 0.1, 0.1, 0.1", "1, 1.D-1, .1d0, 1.e-1, 0., 0., 1.,")
+    with pytest.raises(ReadError, match="node '2' has 3 coordinates"):
+        read_text(tmp_path, shift)
+    part = read_text(tmp_path, ABAQUS.replace("1, 0.1, 0.1, 0.1", "1, 1.D-1, .1d0, 1.e-1,"))
+    assert np.array_equal(cells_of(part).points, TETRA_POINTS)
+    for text, says in (("1_0", "node 4 holds '1_0', which is not a number"), ("", "node 4 holds ''")):
+        with pytest.raises(ReadError, match=says):
+            read_text(tmp_path, ABAQUS.replace("4, 0.1, 0.1, 1.1", f"4, 0.1, {text}, 1.1"))
+    with pytest.raises(ReadError, match="element '2' holds '0_5', which is not a whole number"):
+        read_text(tmp_path, ABAQUS.replace("2,3,4,5", "2,3,4,0_5"))
+
+
+def test_a_node_is_in_one_place(tmp_path: Path) -> None:
+    again = "5, 1.1, 1.1, 1.1\n"
+    assert len(cells_of(read_text(tmp_path, ABAQUS.replace(again, again + "5, 1.10, 11e-1, 1.1\n"))).points) == 5
+    with pytest.raises(ReadError, match="defines node 5 twice, in two places"):
+        read_text(tmp_path, ABAQUS.replace(again, again + "5, 1.1, 1.1, 1.2\n"))

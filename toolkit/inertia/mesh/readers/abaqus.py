@@ -1,0 +1,156 @@
+"""Abaqus input: its nodes, elements and sets of elements, laid out as meshio reads them without loss.
+
+meshio takes a comment within a table for its end, knows few of the names that elements of one layout have, and gives
+the set that a table of elements names to another table. What places or makes nodes by a rule is refused. Source:
+Dassault Systèmes, "Abaqus Keywords Guide", *NODE, *ELEMENT, *ELSET, *INSTANCE, and "Abaqus Elements Guide", index.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import numpy as np
+
+from inertia.arrays import Int
+from inertia.errors import ReadError
+from inertia.mesh.readers.contents import plural, shown
+from inertia.mesh.readers.nastran import once, real, whole
+
+_REFUSED = ("INCLUDE", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM")
+_KEPT = ("NODE", "ELEMENT", "ELSET", "INSTANCE")
+_TYPES = {
+    "T3D2": (2, r"T[23]D2H?|B[23][13]H?"),
+    "T3D3": (3, r"T[23]D3H?|B[23]2H?"),
+    "S3": (3, r"(S3|CPS3|CPE3)[A-Z]*|STRI3|R3D3|M3D3"),
+    "S4": (4, r"(S4|CPS4|CPE4)[A-Z]*|S4R5|R3D4|M3D4R?"),
+    "STRI65": (6, r"(CPS6|CPE6)[A-Z]*|STRI65|S6|M3D6"),
+    "S8R": (8, r"(S8|CPS8|CPE8)[A-Z]*|S8R5|M3D8R?"),
+    "S9R5": (9, r"S9R5|M3D9R?"),
+    "C3D4": (4, r"D?C3D4[A-Z]*"),
+    "C3D6": (6, r"(D?C3D6|SC6)[A-Z]*"),
+    "C3D8": (8, r"(D?C3D8|SC8)[A-Z]*"),
+    "C3D10": (10, r"D?C3D10[A-Z]*"),
+    "C3D15": (15, r"D?C3D15[A-UW-Z]*"),  # those with V have nodes in their faces
+    "C3D20": (20, r"D?C3D20[A-Z]*"),
+}
+"""Type that meshio knows → how many nodes it has, and all types that have them in the same order."""
+
+
+def plain_input(data: bytes) -> bytes:
+    """Return the nodes, elements and sets of elements of an input file, without comments, a line each."""
+    tables = list(_tables(data))
+    nodes, instances = (sum(keyword == name for keyword, _, _ in tables) for name in ("NODE", "INSTANCE"))
+    if nodes > 1 or instances > 1:
+        raise ReadError(
+            f"it has {nodes} *NODE blocks and {instances} instances, but one of each is read: "
+            "export one part, with its nodes in one block"
+        )
+    lines: list[str] = []
+    numbers: list[str] = []
+    sets: dict[str, list[str]] = {}
+    for keyword, options, rows in tables:
+        if keyword == "NODE":
+            lines += ["*NODE", *_nodes(rows)]
+        elif keyword == "ELEMENT":
+            table = _elements(options.get("TYPE", ""), rows)
+            lines += table
+            own = [row.partition(",")[0] for row in table[1:]]
+            numbers += own
+            sets.setdefault(options.get("ELSET", ""), []).extend(own)
+        elif keyword == "INSTANCE" and rows:
+            raise ReadError(
+                "its *INSTANCE moves the part, which is not read: export the part by itself", code="not_read"
+            )
+    known = np.array(numbers, np.int64)
+    for keyword, options, rows in tables:
+        if keyword == "ELSET":
+            own = [each for row in rows for each in (_range(row, known) if "GENERATE" in options else row) if each]
+            sets.setdefault(options.get("ELSET", ""), []).extend(own)
+    sets.pop("", None)
+    for name, members in sets.items():
+        lines += [f"*ELSET, ELSET={name}", *members]
+    return "\n".join([*lines, ""]).encode()
+
+
+def _tables(data: bytes) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:
+    """Yield each keyword that counts, its options, and the fields of each line below it."""
+    stripped = (line.strip() for line in data.splitlines())
+    lines = [line.decode("utf-8", "replace") for line in stripped if line and not line.startswith(b"**")]
+    at = 0
+    while at < len(lines):
+        head = lines[at]
+        at += 1
+        while head.startswith("*") and head.endswith(",") and at < len(lines) and not lines[at].startswith("*"):
+            head, at = head + lines[at], at + 1
+        first, *rest = head.split(",")
+        keyword = " ".join(first.replace("*", "").upper().split()) if head.startswith("*") else ""
+        options = {name.strip().upper(): value.strip() for name, _, value in (each.partition("=") for each in rest)}
+        names = [name for name in ("INPUT", "SYSTEM") if name in options and keyword in ("NODE", "ELEMENT")]
+        if keyword in _REFUSED or names:
+            raise ReadError(
+                f"its keyword {shown(', '.join([f'*{keyword}', *names]))} is not read: write nodes and elements out in "
+                "full",
+                code="not_read",
+            )
+        rows: list[list[str]] = []
+        while at < len(lines) and not lines[at].startswith("*"):
+            if keyword in _KEPT:
+                rows.append([field.strip() for field in lines[at].split(",")])
+            at += 1
+        if keyword in _KEPT:
+            yield keyword, options, rows
+
+
+def _nodes(rows: list[list[str]]) -> Iterator[str]:
+    """Yield nodes with their coordinates, behind which the direction of a normal may stand."""
+    places: dict[str, tuple[float, ...]] = {}
+    width = 0
+    for row in rows:
+        fields = row if row[-1] else row[:-1]
+        width = width or len(fields)
+        if len(fields) != width or width not in (3, 4, 7):
+            raise ReadError(
+                f"its node {shown(row[0])} has {plural(len(fields) - 1, 'coordinate')}: it was cut short or damaged",
+                code="cut_short",
+            )
+        number = whole("a node", fields[0])
+        place = [real(f"node {number}", field) for field in (*fields[1:4], "0")[:3]]
+        if once(f"node {number}", places, number, tuple(map(float, place))):
+            yield ",".join([number, *place])
+
+
+def _elements(kind: str, rows: list[list[str]]) -> list[str]:
+    """Return a table of elements, one a line, under the name that meshio has for their type."""
+    alike = (item for item in _TYPES.items() if re.fullmatch(item[1][1], kind.upper()))
+    name, (count, _) = next(alike, ("", (0, "")))
+    if not name:
+        raise ReadError(
+            f"its elements of the type {shown(kind)} are not read: use solids, C3D4 to C3D20, shells, S3 to S9R5, or "
+            "rods, and leave out the others",
+            code="not_read",
+        )
+    lines = [f"*ELEMENT, TYPE={name}"]
+    fields: list[str] = []
+    for k, row in enumerate(rows, 1):
+        fields += row if row[-1] else row[:-1]
+        if not row[-1] and len(fields) <= count and k < len(rows):  # the next line continues it
+            continue
+        if len(fields) != count + 1 or not all(fields):
+            raise ReadError(
+                f"its elements lack nodes, or have different numbers of them, as element {shown(row[0])}, which needs "
+                f"{count}: it was cut short or damaged",
+                code="cut_short",
+            )
+        lines.append(",".join(whole(f"element {shown(fields[0])}", field) for field in fields))
+        fields = []
+    return lines
+
+
+def _range(row: list[str], known: Int) -> list[str]:
+    """Return the elements from the first to the last that a line names, by steps of its third number or of 1."""
+    first, last, step = (int(whole("a set", field)) for field in ([each for each in row if each] + ["1"])[:3])
+    if not step or last > known.max(initial=0):
+        raise ReadError(f"a set in it runs from {first} to {last}, beyond its elements: export it again")
+    chosen: list[int] = known[(known >= first) & (known <= last) & ((known - first) % step == 0)].tolist()
+    return list(map(str, chosen))
