@@ -207,6 +207,7 @@ def _repair(part: Part, options: argparse.Namespace) -> Repaired | None:
         memory = math.inf if options.memory is None else options.memory
         if options.dask is not None or not answered_at_once(part, memory):
             require_external(part, memory, ["a repair"])
+        options.memory = None  # what is enough for the repair is enough for the rest
     from inertia.mass.repair import repair, weld
 
     return repair(part, options.weld) if options.repair else weld(part, options.weld)

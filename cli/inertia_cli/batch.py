@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from inertia.errors import FieldPath, Remedy, UsageError
+from inertia.errors import FieldPath, ReadError, Remedy, UsageError
 from inertia.report.numerals import significant
 from inertia_cli.options import (
     accuracy,
@@ -113,11 +113,19 @@ _DEFAULTS = {"orientation": "stored", "parts": "together"}
 
 def run(options: argparse.Namespace) -> int:
     """Run ``inertia batch``."""
+    options.part = "the batch"  # what faults of this program are said of
+    try:
+        return _run(options)
+    except ReadError:
+        options.part = ""  # it says by itself what it is said of
+        raise
+
+
+def _run(options: argparse.Namespace) -> int:
     from inertia.batching.batch import engine_for, setup_for, sharded, tasks_for
     from inertia.batching.table import merge, write_batch
     from inertia.tables import require_table
 
-    options.part = "the batch"  # what faults of this program are said of
     output = None if options.output is None else require_table(options.output, force=options.force)
     if output is None and (options.json or options.merge is not None):
         raise UsageError("rows are printed where there is no table to write: name one with -o")

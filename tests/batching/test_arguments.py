@@ -140,6 +140,23 @@ def test_the_command_lists_its_own_options(arguments: tuple[str, ...], capsys: p
     assert {option.strip() for option in listed} <= batch_options()
 
 
+@pytest.mark.parametrize(
+    ("option", "value"), [("--timeout", "0"), ("--memory", "-1"), ("--unpack-limit", "0"), ("--jobs", "0")]
+)
+def test_the_command_names_an_option_that_is_not_usable_as_it_is_given(
+    option: str, value: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["batch", str(CUBE), f"{option}={value}"]) == 2
+    assert capsys.readouterr().err.startswith(f"inertia: {option} is {value}")
+
+
+def test_the_command_says_of_a_list_that_cannot_be_read_only_that(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["batch", "none.csv"]) == 3
+    assert capsys.readouterr().err == "inertia: cannot read none.csv: there is no such file: check the path\n"
+    assert main(["batch", "--manifest", ""]) == 2
+    assert "the path of a file is empty" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("verb", ["analyse", "check"])
 def test_what_only_another_command_has_is_said_to_be_of_that_one(
     verb: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -178,7 +195,7 @@ def test_what_else_may_be_an_estimate_is_said_as_a_number(argument: str) -> None
 def test_what_is_no_address_is_refused_at_once(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
     distributed = pytest.importorskip("distributed")
     monkeypatch.setattr(distributed.Client, "start", lambda *_, **__: pytest.fail("a scheduler is looked for"))
-    said = f"^{address or 'nothing'} is no address of a Dask scheduler .*: give one as tcp:"
+    said = f"^{address or repr(address)} is no address of a Dask scheduler .*: give one as tcp:"
     with pytest.raises(inertia.UsageError, match=said):
         list(inertia.batch(CUBE, dask=address))
 

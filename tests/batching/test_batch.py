@@ -231,6 +231,21 @@ def test_a_manifest_has_options_for_each_row(tmp_path: Path) -> None:
     assert (weighed["mass"], weighed["density_from"]) == (2.0, "mass")
 
 
+@pytest.mark.parametrize("between", [",", ";", "\t"])
+def test_a_manifest_may_be_one_that_a_spreadsheet_wrote_in_another_country(between: str, tmp_path: Path) -> None:
+    lines = ["Path", "UNIT", "Density"], [str(CUBE), "cm", '"1=7850; =3"'], [str(HANDLE), "", ""]
+    manifest = tmp_path / "manifest.csv"
+    manifest.write_text("".join(f"{between.join(line)}\r\n" for line in lines), encoding="utf-8-sig", newline="")
+    cube, handle = rows(manifest)
+    assert (cube["unit"], cube["density"], handle["unit"]) == ("cm", 7850.0, "mm")
+
+
+def test_the_same_options_in_another_order_are_the_same(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text(f"path,unit,density\n{CUBE},cm,1=2; =3\n")
+    (tmp_path / "b.csv").write_text(f"density,path,unit\n=3; 1=2,{CUBE},cm\n")
+    assert len(rows(tmp_path / "a.csv", tmp_path / "b.csv")) == 1
+
+
 def test_what_a_row_says_of_its_mass_takes_the_place_of_what_is_said_for_all(tmp_path: Path) -> None:
     (tmp_path / "manifest.csv").write_text(f"path,material,mass\n{CUBE},steel,\n{HANDLE},,2\n{CUBE},,\n")
     steel, weighed, common = rows(tmp_path / "manifest.csv", density=5.0)
@@ -254,7 +269,9 @@ def test_a_manifest_may_be_parquet(tmp_path: Path) -> None:
         ("path,densty\ncube.stl,7850\n", "'densty' is no option of analyse"),
         ("path,density\ncube.stl,heavy\n", "row 2: density is 'heavy'"),
         ("path,unit\n,mm\n", "row 2: the path is empty"),
-        ("path;unit\ncube.stl;mm\n", "no column 'path', but 'path;unit': .* commas"),
+        ("path|unit\ncube.stl|mm\n", "no column 'path', but 'path|unit': .* commas"),
+        ("Unit,path,unit\nmm,cube.stl,in\n", "two columns 'unit'"),
+        ("path;density\ncube.stl;7;85\n", "more cells than .* round a cell with a semicolon in it"),
         ("path,unit,unit\ncube.stl,mm,in\n", "two columns 'unit'"),
         ("path,density\ncube.stl,7,85\n", "line 2: it has more cells than there are columns"),
         ("path,unit\n", "names no file"),
@@ -388,7 +405,23 @@ def test_a_file_that_takes_too_long_has_a_row_that_says_so(bad: Path, monkeypatc
     assert "it took longer than the 4 s that a file may take" in late["message"]
     assert late["message"].endswith("allow it more by timeout=SECONDS")
     assert late["sha256"] == hashlib.sha256(bad.read_bytes()).hexdigest()
+    assert 4.0 < late["seconds"] < 60.0
     assert before["state"] == after["state"] == "answered"
+
+
+def test_a_limit_that_is_shorter_than_the_time_between_looks_holds(bad: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    upon_opening(bad, "time.sleep(0.02)", monkeypatch)
+    (late,) = rows(bad, timeout=0.01)
+    assert (late["state"], late["mass"]) == ("timed_out", None)
+    assert late["seconds"] > 0.02
+
+
+def test_a_file_in_an_archive_that_took_too_long_has_not_the_digest_of_the_archive(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "two.zip", "w") as packed:
+        packed.write(CUBE, "a.stl")
+        packed.write(HANDLE, "b.stl")
+    for row in rows(tmp_path / "two.zip", timeout=1e-9):
+        assert (row["state"], row["sha256"]) == ("timed_out", None)
 
 
 def _never_hashed(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -455,9 +488,9 @@ def test_members_of_an_archive_that_share_a_name_are_refused(tmp_path: Path, kin
 
 @LINUX
 def test_a_file_that_takes_too_much_memory_has_a_row_that_says_so(large: Path) -> None:
-    refused, answered = rows(large, CUBE, memory=10 * 2**20)
+    refused, answered = rows(large, CUBE, memory=10_000_000)
     assert refused["state"] in ("refused", "unreadable")
-    assert "needs more memory than a file may take, 10 MiB: allow more by memory=BYTES" in refused["message"]
+    assert "needs more memory than a file may take, 10 MB: allow more by memory=BYTES" in refused["message"]
     assert answered["state"] == "answered"
 
 
@@ -469,6 +502,7 @@ def test_a_file_whose_process_dies_twice_has_a_row_and_all_others_too(
     before, dead, after = rows(CUBE, bad, HANDLE)
     assert (dead["state"], dead["exit_code"]) == ("crashed", 1)
     assert "died (signal 9), and so did the second one" in dead["message"]
+    assert dead["seconds"] > 0
     assert before["state"] == after["state"] == "answered"
 
 
@@ -538,6 +572,22 @@ def test_a_folder_that_parts_cannot_be_kept_in_is_said_at_once(tmp_path: Path, m
     monkeypatch.setattr(os, "access", lambda *_: False)
     with pytest.raises(inertia.InertiaError, match=says):
         Parts(tmp_path / "a.parts", Setup("check"))
+
+
+def test_a_table_that_another_run_writes_is_left_to_it(tmp_path: Path) -> None:
+    engine, file, said = Backwards(Setup("check")), tmp_path / "t.csv", []
+
+    def again(_: object) -> None:
+        for force in (False, True):
+            with pytest.raises(inertia.UsageError) as refused:
+                table.write_batch(file, [Task(str(CUBE))], engine.setup, lambda: pytest.fail("asked"), force=force)
+            said.append(str(refused.value))
+
+    table.write_batch(file, [Task(str(CUBE))], engine.setup, lambda: engine, progress=again)
+    assert said == [f"another run writes {file}: wait until it ends, or name another table"] * 2
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["t.csv", "t.csv.meta.json"]
+    with pytest.raises(inertia.UsageError, match=r"t.csv exists: give another name"):
+        table.write_batch(file, [Task(str(CUBE))], engine.setup, lambda: pytest.fail("asked"))
 
 
 @LINUX

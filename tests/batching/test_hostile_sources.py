@@ -6,6 +6,7 @@ import gzip
 import io
 import json
 import os
+import stat
 import subprocess
 import sys
 import tarfile
@@ -48,14 +49,19 @@ def zipped(file: Path, members: dict[str, bytes]) -> Path:
     return file
 
 
+def linked(name: str, target: str, kind: bytes = tarfile.SYMTYPE) -> tarfile.TarInfo:
+    entry = tarfile.TarInfo(name)
+    entry.type, entry.linkname = kind, target
+    return entry
+
+
 def tarred(file: Path, members: Sequence[tuple[str, bytes | str]], mode: Any = "w") -> Path:
     """Write a tar archive; a member with text in place of bytes is a hard link to what that names."""
     with tarfile.open(file, mode) as archive:
         for name, data in members:
             entry = tarfile.TarInfo(name)
             if isinstance(data, str):
-                entry.type, entry.linkname = tarfile.LNKTYPE, data
-                archive.addfile(entry)
+                archive.addfile(linked(name, data, tarfile.LNKTYPE))
             else:
                 entry.size = len(data)
                 archive.addfile(entry, io.BytesIO(data))
@@ -187,6 +193,68 @@ def test_a_hard_link_that_is_the_only_mesh_is_read(tmp_path: Path) -> None:
     assert rows(file)[0]["mass"] == HANDLE_MASS
     with pytest.raises(inertia.ReadError, match="it is a hard link to a file that is not before it"):
         inertia.read(tarred(tmp_path / "astray.tar", [("part.stl", "blob")]))
+
+
+LINKS = [("first.stl", "d/b.stl"), ("d/up.stl", "../a.stl"), ("chain.stl", "d/up.stl"), ("blob.stl", "data")]
+ASTRAY = [("out.stl", "/etc/passwd"), ("above.stl", "../a.stl"), ("self.stl", "self.stl"), ("folder.stl", "d")]
+
+
+@pytest.mark.parametrize("kind", ["zip", "tar", "tar.gz"])
+def test_a_symbolic_link_in_an_archive_is_the_file_in_it_that_it_leads_to(kind: str, tmp_path: Path) -> None:
+    file, members = tmp_path / f"order.{kind}", {"a.stl": CUBE, "d/b.stl": HANDLE, "data": CUBE}
+    if kind == "zip":
+        with zipfile.ZipFile(file, "w") as archive:
+            for name, target in [*LINKS, *ASTRAY]:
+                entry = zipfile.ZipInfo(name)
+                entry.create_system, entry.external_attr = 3, (stat.S_IFLNK | 0o777) << 16
+                archive.writestr(entry, target)
+            for name, data in members.items():
+                archive.writestr(name, data)
+    else:
+        with tarfile.open(file, "w:gz" if kind.endswith("gz") else "w") as tar:
+            for name, target in [*LINKS, *ASTRAY]:
+                tar.addfile(linked(name, target))
+            for name, data in members.items():
+                entry = tarfile.TarInfo(name)
+                entry.size = len(data)
+                tar.addfile(entry, io.BytesIO(data))
+    every = {row["path"].removeprefix(f"{file}/"): row for row in rows(file)}
+    masses = {name: every.pop(name)["mass"] for name in ("a.stl", "d/b.stl", *dict(LINKS))}
+    assert list(masses.values()) == [CUBE_MASS, HANDLE_MASS, HANDLE_MASS, CUBE_MASS, CUBE_MASS, CUBE_MASS]
+    for name, target in ASTRAY:
+        says = f"it is a link to {target}, which is no file in the archive: pack it again, with that file"
+        unreadable(every.pop(name), f"{file}/{name}", says)
+    assert every == {}
+
+
+def test_what_else_is_in_a_tar_archive_has_its_row_or_is_hidden(tmp_path: Path) -> None:
+    with tarfile.open(tmp_path / "order.tar", "w") as archive:
+        for name in ("a.stl", "b.stl", ".c.stl", ".d/e.stl", ".f.stl.gz", ".g.zip"):
+            entry = tarfile.TarInfo(name)
+            entry.size = len(CUBE)
+            archive.addfile(entry, io.BytesIO(CUBE))
+        archive.addfile(linked("pipe.stl", "", tarfile.FIFOTYPE))
+    *answered, pipe = rows(tmp_path / "order.tar")
+    assert [row["path"] for row in answered] == [f"{tmp_path}/order.tar/{name}.stl" for name in "ab"]
+    unreadable(pipe, f"{tmp_path}/order.tar/pipe.stl", "it is a pipe or a device, and no file: leave it out")
+
+
+@pytest.mark.parametrize("name", [".c.stl", ".d/e.stl"])
+def test_hidden_meshes_count_where_nothing_else_is_there(name: str, tmp_path: Path) -> None:
+    (one,) = rows(zipped(tmp_path / "one.zip", {name: CUBE}))
+    assert one["mass"] == CUBE_MASS
+    (two,) = rows(zipped(tmp_path / "two.zip", {name: CUBE, ".x.stl": CUBE}))
+    assert f"it holds 2 meshes, {name}, .x.stl: " in two["message"]
+    (shown,) = rows(zipped(tmp_path / "shown.zip", {name: CUBE, "t.stl": HANDLE}))
+    assert shown["mass"] == HANDLE_MASS
+
+
+@pytest.mark.parametrize("kind", [tarfile.SYMTYPE, tarfile.LNKTYPE])
+def test_a_mesh_and_a_link_to_it_are_one_mesh(kind: bytes, tmp_path: Path) -> None:
+    file = tarred(tmp_path / "part.tar", [("v2.stl", CUBE)])
+    with tarfile.open(file, "a") as archive:
+        archive.addfile(linked("latest.stl", "v2.stl", kind))
+    assert inertia.analyse(inertia.read(file)).properties.mass == CUBE_MASS
 
 
 def test_a_hard_link_does_not_take_of_what_an_archive_may_unpack_to(tmp_path: Path) -> None:

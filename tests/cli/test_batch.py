@@ -90,6 +90,25 @@ def test_a_table_that_is_there_stays_without_force(tmp_path: Path, capsys: pytes
 
 
 @pytest.mark.parametrize("suffix", ["csv", "jsonl", "parquet"])
+def test_what_a_batch_has_written_is_no_file_of_a_glob(
+    suffix: str, parts: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if suffix == "parquet":
+        pytest.importorskip("pyarrow.parquet")
+    one, again = tmp_path / f"one.{suffix}", tmp_path / f"again.{suffix}"
+    kept = tmp_path / f"again.{suffix}.parts"
+    batch(parts, "-o", one)
+    kept.mkdir()
+    (kept / "0123456789abcdef.jsonl").write_text("{}\n")
+    for force in ([], ["--force"]):
+        assert batch(f"{tmp_path}/**/*", "-o", again, *force) == 0
+        assert again.read_bytes() == one.read_bytes()
+    capsys.readouterr()
+    assert batch(one.with_suffix(".jsonl.txt"), f"{again}.meta.json") == 0  # what is named is asked for
+    assert capsys.readouterr().out.count("unreadable") == 2
+
+
+@pytest.mark.parametrize("suffix", ["csv", "jsonl", "parquet"])
 def test_shards_merge_to_the_bytes_of_one_run(suffix: str, parts: str, tmp_path: Path) -> None:
     if suffix == "parquet":
         pytest.importorskip("pyarrow.parquet")

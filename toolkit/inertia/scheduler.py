@@ -59,9 +59,9 @@ def connected(address: str, threads: int) -> Iterator[Any]:
             try:
                 get_address_host(address)  # it asks for a known scheme and a port
             except (TypeError, ValueError) as error:
-                raise UsageError(
-                    f"{visible(str(address)) or 'nothing'} is no address of a Dask scheduler ({error}): give one as tcp://host:8786"
-                ) from None
+                shown = visible(str(address)) or "''"
+                says = f"{shown} is no address of a Dask scheduler ({error}): give one as tcp://host:8786"
+                raise UsageError(says) from None
         try:
             client = Client(scheduler, timeout=_PATIENCE, set_as_default=False)
         except (OSError, ValueError) as error:

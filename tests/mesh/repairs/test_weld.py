@@ -156,3 +156,11 @@ def test_no_distance_is_named_for_two_sheets() -> None:
     sheet, faces = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float), np.array([[0, 2, 1], [0, 3, 2]])
     sheets = Surface(np.vstack([sheet, np.add(sheet, [0, 0, 1e-6])]), np.vstack([faces, faces[:, ::-1] + 4]))
     assert all(remedy.verb != "weld" for remedy in check(part(sheets)).findings[0].remedies)
+
+
+def test_no_distance_is_named_that_takes_a_fine_body_along() -> None:
+    """The crack is wider than the edges of the sphere beside it, of which a weld would leave nothing."""
+    (vertices, faces), crack = solids.sphere((9, 9, 9), 0.01), cracked(solids.cube((0, 0.5, 0.5), 10), 0.02, 0)
+    both = Surface(np.vstack([crack.vertices, vertices]), np.vstack([crack.faces, faces + len(crack.vertices)]))
+    assert all(remedy.verb != "weld" for remedy in check(part(both)).findings[0].remedies)
+    assert check(part(crack)).findings[0].remedies[0].verb == "weld"

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple, TypeVar
 from inertia.batching.columns import COLUMNS, State
 from inertia.batching.sources import Task, local_copy
 from inertia.errors import GeometryError, InertiaError, ReadError, Remedy, Sentence, Wording, visible
+from inertia.mesh.external.memory import in_bytes
 from inertia.mesh.version import sha256_of
 from inertia.output import inputs_noted
 from inertia.records import dataclass
@@ -58,8 +59,8 @@ class Setup:
         common = {name: value for name, value in self.options.items() if not (weighed and name in WEIGHED)}
         return {**common, **task.options}
 
-    def failed(self, task: Task, state: State, why: str) -> Answer:
-        """Return the row of a file that the process which answered for it did not survive."""
+    def failed(self, task: Task, state: State, why: str, seconds: float | None = None) -> Answer:
+        """Return the row of a file that the process which answered for it did not survive, or not in time."""
         words: tuple[str | Remedy, ...] = (visible(task.path), ": ", why)
         if state == "timed_out":
             words = (*words, ": look at the file, or allow it more by ", _TIMEOUT)
@@ -68,11 +69,13 @@ class Setup:
             "state": state,
             "exit_code": code,
             "message": Sentence(*words).worded(self.wording),
+            "seconds": seconds,
         }
         name = task.archive or task.path
         unknown: tuple[Used, ...] = (Used(name, None, None, None),)
         files = within(self.timeout, lambda: _used([name], None), unknown)
-        row["sha256"] = files[0].sha256 if files else None
+        if files and not task.member:  # of a member, the archive is another file
+            row["sha256"] = files[0].sha256
         return Answer(row, files)
 
     def empty(self, task: Task) -> Row:
@@ -172,7 +175,7 @@ def answer(task: Task, setup: Setup) -> Answer:
 def _beyond(file: str, memory: int | None) -> tuple[str | Remedy, ...]:
     if memory is None:
         return file, " needs more memory than there is: split the part or use a larger machine"
-    return file, f" needs more memory than a file may take, {memory / 2**20:.4g} MiB: allow more by ", _MEMORY
+    return file, f" needs more memory than a file may take, {in_bytes(memory)}: allow more by ", _MEMORY
 
 
 def _for_memory(error: BaseException | None) -> bool:

@@ -150,7 +150,8 @@ def _unknown(name: str, verb: str, known: list[str], wording: Wording) -> UsageE
 
 def _require_positive(name: str, value: float | None, unit: str) -> None:
     if value is not None and not (isinstance(value, Real) and 0 < value < math.inf):
-        raise UsageError(f"{name} is {value!r}: it must be positive and finite, in {unit}")
+        says = f" is {value!r}: it must be positive and finite, in {unit}"
+        raise UsageError(_ARGUMENT._replace(argument=name), says)
 
 
 def tasks_for(
@@ -191,7 +192,8 @@ def sharded(tasks: list[Task], shard: tuple[int, int] | None) -> list[Task]:
 def engine_for(setup: Setup, jobs: int | None, dask: str | None) -> Callable[[], Engine]:
     """Return what makes what answers: `jobs` processes here, or the workers of a Dask scheduler."""
     if jobs is not None and not (isinstance(jobs, Integral) and jobs >= 1):
-        raise UsageError(f"jobs is {jobs!r}: give the number of worker processes, 1 or more")
+        says = f" is {jobs!r}: give the number of worker processes, 1 or more"
+        raise UsageError(_ARGUMENT._replace(argument="jobs"), says)
     count = jobs or processors()
     if dask is None:
         return lambda: Processes(setup, count)

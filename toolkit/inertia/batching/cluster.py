@@ -6,6 +6,7 @@ scheduler gives its bundles to another one.
 
 from __future__ import annotations
 
+import os
 import pickle
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -34,7 +35,7 @@ class Cluster:
     """
 
     def __init__(self, setup: Setup, address: str, jobs: int) -> None:
-        self._setup, self._packed = setup, pickle.dumps(setup)
+        self._setup, self._packed, self._run = setup, pickle.dumps(setup), os.urandom(16)
         self._bundle: list[tuple[int, Task]] = []
         self._size: int | None = None
         self._sent: dict[str, tuple[Any, list[tuple[int, Task]]]] = {}
@@ -80,15 +81,15 @@ class Cluster:
         return answers
 
     def close(self) -> None:
-        """Have nothing answered for any more, and end the worker processes."""
+        """Have nothing answered for any more, and end the worker processes, whatever they do."""
         with self._stack:
             self._client.cancel([future for future, _ in self._sent.values()])
-            self._client.run(end_idle)
+            self._client.run(end_run, self._run)
 
     def _send(self) -> None:
         if self._bundle:
             tasks = [task for _, task in self._bundle]
-            future = self._client.submit(answer_bundle, self._packed, tasks, pure=False)
+            future = self._client.submit(answer_bundle, self._run, self._packed, tasks, pure=False)
             self._sent[future.key] = future, self._bundle
             self._bundle = []
             self._done.add(future)
@@ -102,18 +103,29 @@ class Cluster:
         )
 
 
-_idle: dict[bytes, list[Processes]] = {}
-"""Workers of this process that wait for more, by their setup."""
+class _Run:
+    """The worker processes that this Dask worker has for a run; `idle` are those that wait for more."""
+
+    def __init__(self) -> None:
+        self.all: list[Processes] = []
+        self.idle: list[Processes] = []
+        self.ended = False
 
 
-def answer_bundle(packed: bytes, tasks: Sequence[Task]) -> list[Answer]:
+_runs: dict[bytes, _Run] = {}
+
+
+def answer_bundle(run: bytes, packed: bytes, tasks: Sequence[Task]) -> list[Answer]:
     """Return the answers for files, in their order, from a worker process of this one."""
-    waiting = _idle.setdefault(packed, [])
+    own = _runs.setdefault(run, _Run())
     try:
-        engine = waiting.pop()
+        engine = own.idle.pop()
     except IndexError:
         engine = Processes(pickle.loads(packed), 1)
+        own.all.append(engine)
     try:
+        if own.ended:  # looked at when `end_run` would find the engine
+            raise RuntimeError("the run is over")
         for number, task in enumerate(tasks):
             engine.submit(number, task)
         answers: dict[int, Answer] = {}
@@ -122,12 +134,15 @@ def answer_bundle(packed: bytes, tasks: Sequence[Task]) -> list[Answer]:
     except BaseException:
         engine.close()
         raise
-    waiting.append(engine)
+    own.idle.append(engine)
     return [answers[number] for number in range(len(tasks))]
 
 
-def end_idle() -> None:
-    """End the worker processes that wait for more."""
-    for engines in _idle.values():
-        while engines:
-            engines.pop().close()
+def end_run(run: bytes) -> None:
+    """End the worker processes of a run, those at work too, and have none started for it any more."""
+    own = _runs.setdefault(run, _Run())
+    own.ended = True
+    for engine in own.all:
+        engine.close()
+    own.all.clear()
+    own.idle.clear()

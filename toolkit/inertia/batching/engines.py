@@ -6,6 +6,7 @@ file gets one more try in a fresh process. A file that takes longer than it may 
 
 from __future__ import annotations
 
+import math
 import os
 import pickle
 import queue
@@ -39,9 +40,11 @@ _ALLOCATION = {"MALLOC_MMAP_THRESHOLD_": str(2**25), "MALLOC_TRIM_THRESHOLD_": s
 
 
 class _Job(NamedTuple):
+    """A file to answer for; `spent` are the seconds after which a process died over it."""
+
     number: int
     task: Task
-    again: bool = False
+    spent: float = 0.0
 
 
 class Engine(Protocol):
@@ -108,7 +111,8 @@ class Processes:
         return answers
 
     def close(self) -> None:
-        """End the workers, whatever they do."""
+        """End the workers, whatever they do, and whoever waits for answers."""
+        self._answers.put(RuntimeError("the workers are ended"))
         for worker in self._workers:
             self._jobs.put(None)
             worker.end()
@@ -146,9 +150,10 @@ class _Worker:
     def __init__(self, setup: Setup) -> None:
         self.bundle = 1
         self._setup = setup
+        self._limit = math.inf if setup.timeout is None else setup.timeout
         self._process: subprocess.Popen[bytes] | None = None
         self._since: float | None = None
-        self._late = self._ended = False
+        self._ended = False
 
     def answers(self, bundle: Sequence[_Job]) -> Iterator[tuple[int, Answer]]:
         """Yield the answers for files in their order."""
@@ -157,38 +162,42 @@ class _Worker:
             process = self._process or self._start()
             assert process.stdin is not None
             assert process.stdout is not None
-            started = self._since = time.monotonic()
+            started = since = self._since = time.monotonic()
             count = len(jobs)
             try:
                 pickle.dump([job.task for job in jobs], process.stdin)
                 process.stdin.flush()
                 while jobs:
                     answer: Answer = pickle.load(process.stdout)
-                    self._since = time.monotonic()
-                    yield jobs.pop(0).number, answer
+                    since = self._since = time.monotonic()
+                    number, task, _ = jobs.pop(0)
+                    took = answer.row["seconds"]
+                    yield number, self._timed_out(task, took) if took > self._limit else answer
             except (OSError, EOFError, pickle.UnpicklingError):
                 self._since = None
-                yield from self._failed(jobs)
+                yield from self._failed(jobs, time.monotonic() - since)
             else:
                 self._since = None
                 self.bundle = max(1, min(_MOST, int(_BUNDLE * count / (time.monotonic() - started + 1e-9))))
 
-    def _failed(self, jobs: list[_Job]) -> Iterator[tuple[int, Answer]]:
+    def _failed(self, jobs: list[_Job], took: float) -> Iterator[tuple[int, Answer]]:
         """Leave the file that the process died over for another try, or yield that there is no answer."""
         if self._ended:
             return
-        code, late = self.dispose(), self._late
-        self._late = False
-        number, task, again = jobs.pop(0)
-        if late:
-            why = f"it took longer than the {self._setup.timeout:g} s that a file may take"
-            yield number, self._setup.failed(task, "timed_out", why)
-        elif again:
+        code = self.dispose()
+        number, task, spent = jobs.pop(0)
+        if took > self._limit:
+            yield number, self._timed_out(task, took)
+        elif spent:
             how = f"signal {-code}" if code < 0 else f"exit code {code}"
             why = f"the process that answered for it died ({how}), and so did the second one: report the file"
-            yield number, self._setup.failed(task, "crashed", why)
+            yield number, self._setup.failed(task, "crashed", why, spent + took)
         else:
-            jobs.insert(0, _Job(number, task, True))
+            jobs.insert(0, _Job(number, task, took))
+
+    def _timed_out(self, task: Task, took: float) -> Answer:
+        why = f"it took longer than the {self._setup.timeout:g} s that a file may take"
+        return self._setup.failed(task, "timed_out", why, took)
 
     def _start(self) -> subprocess.Popen[bytes]:
         """Return a process that is ready to answer."""
@@ -227,9 +236,8 @@ class _Worker:
 
     def end_if_late(self) -> None:
         """End the process where its file takes longer than it may; its successor goes on."""
-        since, process, limit = self._since, self._process, self._setup.timeout
-        if limit is not None and since is not None and process is not None and time.monotonic() - since > limit:
-            self._late = True
+        since, process = self._since, self._process
+        if since is not None and process is not None and time.monotonic() - since > self._limit:
             process.kill()
 
     def end(self) -> None:

@@ -10,26 +10,33 @@ import os
 import re
 import sys
 from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from itertools import chain, repeat
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from inertia.batching.columns import SCHEMA
 from inertia.encoding import text_of
-from inertia.errors import ReadError, Remedy, UsageError, placed, visible
+from inertia.errors import InertiaError, ReadError, Remedy, UsageError, placed, visible
 from inertia.estimate import Estimate, relative_figure, scale_of
 from inertia.mesh.readers.compressed import ARCHIVE, UNPACK_LIMIT, is_packed, member_copy, meshes_in
 from inertia.mesh.readers.contents import alone
 from inertia.output import note_input, temporary_folder
 from inertia.standard_input import NAME as STANDARD_INPUT
 from inertia.standard_input import NO_FILE, reason_of
-from inertia.tables import cell_text, load_pyarrow
+from inertia.tables import SUFFIXES, cell_text, load_pyarrow, read_table
 
 _URL = re.compile(r"[a-z][a-z0-9+.-]+::?//")
 _SEPARATORS = os.sep + (os.altsep or "")
 _ANYWHERE = re.compile(rf"(?:^|(?<=[{re.escape(_SEPARATORS)}]))\*\*(?=[{re.escape(_SEPARATORS)}]|$)")
+PART = re.compile(r"[0-9a-f]{16}\.jsonl")
+"""The names of finished rows of a batch under way, in the folder ``TABLE.parts``."""
+
 _PATHS = ("path", "file", "part")
+_BETWEEN = {",": "comma", ";": "semicolon", "\t": "tab"}
+"""What stands between the columns of a manifest: the first of them in the line of their names."""
+
 _MANIFEST = Remedy("batch", "manifest", "FILE")
 
 
@@ -80,7 +87,7 @@ def _by_name(cell: Cell) -> Cell:
             if (name := name.strip()) in values:
                 raise _TwiceError(repr(visible(name)) if name else "the part")
             values[name] = cell.read(one)
-        return values
+        return dict(sorted(values.items()))  # the same however it is written
 
     return Cell(value, f"{cell.holds}, or one for each region or body as housing=2700; shaft=7850")
 
@@ -139,6 +146,8 @@ def tasks_of(
     ReadError : a manifest cannot be read
     """
     tasks: dict[Any, Task] = {}
+    if manifest is not None:
+        _require_path(manifest)
     named = chain.from_iterable(_named(path, verb) for path in paths)
     for task in chain(named, () if manifest is None else _rows(manifest, verb)):
         for each in _members(task, verb, unpack_limit):
@@ -148,14 +157,18 @@ def tasks_of(
 
 def _named(path: str, verb: str) -> Iterable[Task]:
     """Return the files that an argument names; it may be a glob of manifests too, by its ending."""
-    if not path:
-        raise UsageError("the path of a file is empty: name a file, or leave it out")
+    _require_path(path)
     if path.lower().endswith((".csv", ".parquet")) and not (verb == "audit" and path.lower().endswith(".csv")):
         manifests = [path] if _URL.match(path) else _matching(path)
         return chain.from_iterable(_rows(name, verb) for name in manifests)
     if path == STANDARD_INPUT:
         return _some(map(Task, _lines()), "standard input names no file: give it a path a line")
     return map(Task, _matching(path))
+
+
+def _require_path(path: str) -> None:
+    if not path:
+        raise UsageError("the path of a file is empty: name a file, or leave it out")
 
 
 def _some(rows: Iterable[Task], otherwise: str) -> Iterator[Task]:
@@ -191,10 +204,21 @@ def _matching(pattern: str) -> list[str]:
     with suppress(OSError):  # it may be too long for a name
         if Path(pattern).exists():
             return [pattern]
-    names = sorted({name for name in _globbed(pattern) if not os.path.isdir(name)})  # noqa: PTH112  # never raises
+    files = {name for name in _globbed(pattern) if not os.path.isdir(name)}  # noqa: PTH112  # never raises
+    names = sorted(name for name in files if not _is_of_a_batch(Path(name)))
     if not names:
         raise UsageError(f"{visible(pattern)} matches no file: check it, with quotation marks round it in a shell")
     return names
+
+
+def _is_of_a_batch(path: Path) -> bool:
+    """Say whether a file is what a batch wrote: a table, what stands beside it, or finished rows of one under way."""
+    if PART.fullmatch(path.name) and path.parent.suffix == ".parts":
+        return True
+    table = path.with_name(path.name.removesuffix(".meta.json") or path.name)
+    with suppress(InertiaError):
+        return table.suffix.lower() in SUFFIXES and read_table(table)[0]["schema"] == SCHEMA
+    return False
 
 
 def _globbed(pattern: str) -> Iterator[str]:
@@ -330,7 +354,7 @@ def _rows(manifest: str, verb: str) -> Iterator[Task]:
     folder = Path() if path.is_relative_to("/dev") else path.parent  # no file lies beside a pipe of the shell's
     is_csv = path.suffix.lower() != ".parquet"
     number = None
-    for number, row in _records(manifest):
+    for number, row in _records(manifest, known):
         where = f"{visible(manifest)}, row {number}"
         column = next((name for name in _PATHS if name in row), None)
         if column is None:
@@ -360,7 +384,7 @@ def _rows(manifest: str, verb: str) -> Iterator[Task]:
                 raise UsageError(f"{where}: {option} is {visible(str(value))!r}: give {known[option].holds}") from None
         if not name:
             raise UsageError(f"{where}: the path is empty")
-        yield Task(name if _URL.match(name) else str(folder / name), options)
+        yield Task(name if _URL.match(name) else str(folder / name), dict(sorted(options.items())))
     if number is None:
         raise UsageError(f"{visible(manifest)} names no file: give it a row for each")
 
@@ -378,42 +402,48 @@ def _file_of_cell(cell: str, folder: Path, where: str) -> str:
     return cell
 
 
-def _require_once(manifest: str, names: list[str]) -> None:
+def _columns(manifest: str, written: Iterable[str], known: Collection[str]) -> list[str]:
+    """Return the names of columns, those that are known in lower case; raise `UsageError` where two are the same."""
+    names = [low if (low := name.strip().lower()) in known or low in _PATHS else name for name in written]
     twice = next((name for name in names if name and names.count(name) > 1), None)
     if twice is not None:
         raise UsageError(f"{visible(manifest)} has two columns {visible(twice)!r}: leave one out")
+    return names
 
 
-def _records(manifest: str) -> Iterator[tuple[int, Mapping[str, Any]]]:
+def _records(manifest: str, known: Collection[str]) -> Iterator[tuple[int, Mapping[str, Any]]]:
     """Yield the rows of a manifest, each with its number in a spreadsheet, where the names of columns are row 1."""
     if _URL.match(manifest):
         raise UsageError(f"{visible(manifest)} is a URL, and a manifest is read from a file: copy it to this machine")
     path = Path(manifest)
+    names: list[str] = []
     note_input(path)
     if path.suffix.lower() == ".parquet":
         pyarrow = load_pyarrow()
         try:
             file = pyarrow.parquet.ParquetFile(path)
-            _require_once(manifest, file.schema_arrow.names)
-            yield from enumerate(chain.from_iterable(batch.to_pylist() for batch in file.iter_batches()), 2)
+            names = _columns(manifest, file.schema_arrow.names, known)
+            batches = (batch.rename_columns(names).to_pylist() for batch in file.iter_batches())
+            yield from enumerate(chain.from_iterable(batches), 2)
         except OSError as error:
             raise _unreadable(manifest, error) from None
         except pyarrow.ArrowException as error:
             says = f"cannot read {visible(manifest)}: it is no Parquet table ({visible(str(error))})"
             raise ReadError(f"{says}: write it again", code="wrong_format") from None
         return
-    rows = csv.reader(io.StringIO(_text(manifest), newline=""), strict=True)
-    names: list[str] = []
+    text = _text(manifest)
+    head = text.lstrip("\r\n").partition("\n")[0]
+    between = next((each for each in _BETWEEN if each in head), ",")
+    rows = csv.reader(io.StringIO(text, newline=""), strict=True, delimiter=between)
     try:
         for number, cells in enumerate(rows, 1):
             if not names:
-                names = cells
-                _require_once(manifest, names)
+                names = _columns(manifest, cells, known)
                 continue
             if any(cells[len(names) :]):
                 raise UsageError(
                     f"{visible(manifest)}, line {rows.line_num}: it has more cells than there are columns: put "
-                    "quotation marks round a cell with a comma in it"
+                    f"quotation marks round a cell with a {_BETWEEN[between]} in it"
                 )
             if cells:
                 values = zip(names, chain(cells, repeat("")), strict=False)

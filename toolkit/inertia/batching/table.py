@@ -10,10 +10,10 @@ from __future__ import annotations
 import errno
 import json
 import os
-import re
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from contextvars import Context
 from hashlib import sha256
 from itertools import zip_longest
@@ -24,16 +24,17 @@ from inertia import __version__
 from inertia.batching.answer import Answer, Setup, Used, within
 from inertia.batching.columns import COLUMNS, SCHEMA
 from inertia.batching.engines import Engine, in_order
-from inertia.batching.sources import Task
+from inertia.batching.sources import PART, Task
 from inertia.batching.summary import Summary
 from inertia.errors import ReadError, UsageError, WriteError
 from inertia.output import note_input, write_whole
 from inertia.tables import read_table, require_table, table_writer
 
+if sys.platform != "win32":
+    import fcntl
+
 _SOON, _LATER = 0.5, 0.02
 """s after which a part is written, and the share of the time so far that it is later on: there are few parts, then."""
-
-_PART = re.compile(r"[0-9a-f]{16}\.jsonl")
 
 
 def write_batch(
@@ -71,33 +72,62 @@ def write_batch(
     for task in tasks:
         note_input(Path(task.archive or task.path))
     summary, so_far = Summary(setup.verb, len(tasks)), Summary(setup.verb, len(tasks))
-    parts = Parts(None if path is None else path.with_name(f"{path.name}.parts"), setup)
-    with table_writer(path, COLUMNS[setup.verb], about) as write, closing(parts):
-
-        def seen(answer: Answer) -> None:
-            so_far.states[answer.row["state"]] += 1
-            so_far.stored += answer.stored
-            if progress is not None:
-                progress(so_far)
-
-        def known() -> Iterator[Task | Answer]:
-            for task in tasks:
-                if (answer := parts.answer(task)) is not None:
-                    seen(answer)
-                yield answer or task
-
-        def arrived(number: int, answer: Answer) -> None:
-            parts.add(tasks[number], answer)
-            seen(answer)
-
-        with closing(in_order(known(), engine, arrived)) as answers:
-            for answer in answers:
-                summary.count(answer.row, answer.stored)
-                write(answer.row if timings else {**answer.row, "seconds": None})
+    with _alone(path) as folder:
         if path is not None and not force:
-            require_table(str(path))  # another run may have written it meanwhile; the parts are kept then
-    parts.remove()
+            require_table(str(path))  # another run may have written it while the files were listed
+        parts = Parts(folder, setup)
+        with table_writer(path, COLUMNS[setup.verb], about) as write, closing(parts):
+
+            def seen(answer: Answer) -> None:
+                so_far.states[answer.row["state"]] += 1
+                so_far.stored += answer.stored
+                if progress is not None:
+                    progress(so_far)
+
+            def known() -> Iterator[Task | Answer]:
+                for task in tasks:
+                    if (answer := parts.answer(task)) is not None:
+                        seen(answer)
+                    yield answer or task
+
+            def arrived(number: int, answer: Answer) -> None:
+                parts.add(tasks[number], answer)
+                seen(answer)
+
+            with closing(in_order(known(), engine, arrived)) as answers:
+                for answer in answers:
+                    summary.count(answer.row, answer.stored)
+                    write(answer.row if timings else {**answer.row, "seconds": None})
+            if path is not None and not force:
+                require_table(str(path))  # another run may have written it meanwhile; the parts are kept then
+        parts.remove()
     return summary
+
+
+@contextmanager
+def _alone(table: Path | None) -> Iterator[Path | None]:
+    """Yield the folder of the parts of a table, which is this run's as long as the context lasts.
+
+    Raises `UsageError` where it is another one's.
+    """
+    if table is None:
+        yield None
+        return
+    folder = table.with_name(f"{table.name}.parts")
+    with ExitStack() as stack:
+        if sys.platform != "win32":
+            with suppress(OSError):  # it cannot be used, which is said later, or its file system has no locks
+                folder.mkdir(exist_ok=True)
+                stack.callback(os.close, lock := os.open(folder, os.O_RDONLY | os.O_DIRECTORY))
+                try:
+                    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                except BlockingIOError:
+                    raise UsageError(f"another run writes {table}: wait until it ends, or name another table") from None
+        try:
+            yield folder
+        finally:
+            with suppress(OSError):  # there are parts in it
+                folder.rmdir()
 
 
 def _list_of(tasks: Sequence[Task]) -> dict[str, Any]:
@@ -177,13 +207,11 @@ class Parts:
         with suppress(OSError):
             for path in self._paths:
                 path.unlink(missing_ok=True)
-            if self._folder is not None:
-                self._folder.rmdir()
 
     def _files(self) -> list[Path]:
         if self._folder is None or not self._folder.is_dir():
             return []
-        return sorted(path for path in self._folder.iterdir() if _PART.fullmatch(path.name))
+        return sorted(path for path in self._folder.iterdir() if PART.fullmatch(path.name))
 
     def _save(self) -> None:
         if self._rows and self._folder is not None:

@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterator
 import numpy as np
 
 from inertia.arrays import Float, Progress
-from inertia.errors import UsageError
+from inertia.errors import ABSOLUTE, REPAIR, SEPARATE, UNION, WELD, GeometryError, Remedy, UsageError, Word
 from inertia.mass.integration import Group, Integral, naming, refuse_faults, refuse_flat, sums_of_small, surface_area
 from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, arithmetics, shell_moments, solid_moments
@@ -31,6 +31,8 @@ from inertia.mesh.part import Part
 from inertia.mesh.surface import FacesInFile, Facets, Surface, Triangles
 
 _AMPLE = 1_000_000_000  # bytes beside the least, where workers do what takes most
+_AT_ONCE = (REPAIR, WELD, UNION, SEPARATE, ABSOLUTE)  # remedies that take the whole part in memory
+_DASK = Remedy("analyse", "dask")
 _NESTING = 24  # bytes of memory that a triangle takes where shells are looked for in one another
 
 
@@ -60,10 +62,15 @@ def require_external(part: Part, memory: float, asked: Collection[str]) -> None:
         raise UsageError(f"{' and '.join(asked)} cannot be had from Dask workers: leave one or the other out")
     if asked:
         raise UsageError(
-            f"{part.name} takes up to {in_bytes(WHOLE * part.triangles.count)} in memory, beyond {in_bytes(memory)}, "
-            f"and {' and '.join(asked)} cannot be had otherwise: leave that out, or allow more by ",
+            f"{part.name} takes up to {in_bytes(_at_once(part))} of memory, beyond {in_bytes(memory)}, and "
+            f"{' and '.join(asked)} cannot be had otherwise: leave that out, or allow that much by ",
             MEMORY,
         )
+
+
+def _at_once(part: Part) -> float:
+    """Return the bytes of memory in which this process analyses a part at once."""
+    return 1.02 * (WHOLE * part.triangles.count + resident() + RESERVE)
 
 
 def external_integrals(
@@ -78,9 +85,39 @@ def external_integrals(
     """Integrate a file of triangles as a solid or a `shell`, within so many bytes of this process.
 
     With workers, these sum its triangles in float64 and pair their edges. Yields as
-    `inertia.mass.integration.surface_integrals` does, and raises what that raises; `UsageError` where the
-    memory is too little, `WriteError` where there is no room for temporary files.
+    `inertia.mass.integration.surface_integrals` does, and raises what that raises, with what its remedies take;
+    `UsageError` where the memory is too little, `WriteError` where there is no room for temporary files.
     """
+    try:
+        yield from _integrals(part, memory, shell, accuracy, workers, progress)
+    except GeometryError as fault:
+        raise _with_what_remedies_take(part, fault, workers is not None) from None
+
+
+def _with_what_remedies_take(part: Part, fault: GeometryError, distributed: bool) -> GeometryError:
+    """Return a refusal that says how those of its remedies can be had that take the whole part in memory."""
+    remedies = [remedy for remedy in dict.fromkeys(fault.remedies) if remedy in _AT_ONCE]
+    if not remedies:
+        return fault
+    words: list[Word] = ["; ", remedies[0]]
+    for remedy in remedies[1:]:
+        words += [" and ", remedy]
+    words.append(" take the whole part in memory: " if remedies[1:] else " takes the whole part in memory: ")
+    if distributed:
+        words += ["leave ", _DASK, " out"]
+    else:
+        words += [f"allow {in_bytes(_at_once(part))} by ", MEMORY]
+    return GeometryError(*fault.words, *words, places=fault.places, code=fault.code)
+
+
+def _integrals(
+    part: Part,
+    memory: float,
+    shell: bool,
+    accuracy: float | str | None,
+    workers: DaskWorkers | None,
+    progress: Progress | None,
+) -> Iterator[Integral]:
     triangles = part.triangles
     tries = arithmetics(accuracy)
     beside = resident() + RESERVE + triangles.count

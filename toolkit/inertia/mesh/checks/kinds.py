@@ -43,6 +43,7 @@ and then, as long as there is no error, the cells' maps, the sides of faces that
 
 _CHUNK = 1 << 16
 _NOISE = 1e-13  # volume over the sum of the shells' volumes
+_COLLAPSED = 0.1  # share of the edges that a weld which is advised may shrink to points, about
 
 
 @dataclass(frozen=True)
@@ -144,7 +145,8 @@ def _crack(surface: SurfaceTopology) -> tuple[Word, ...]:
     if not surface.whole:
         return ()
     edges = surface.edges
-    distance = closing_distance(surface.triangles, surface.vertices, edges.ends, edges.forward - edges.backward)
+    surplus = edges.forward - edges.backward
+    distance = closing_distance(surface.triangles, surface.vertices, edges.ends, surplus, _COLLAPSED)
     if distance is None:
         return ()
     return "use ", WELD._replace(value=distance), f" (the least distance, in {surface.unit}, that closes it), "

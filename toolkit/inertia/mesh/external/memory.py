@@ -8,10 +8,12 @@ import sys
 from numbers import Real
 from pathlib import Path
 
-from inertia.errors import UsageError
+from inertia.errors import Remedy, UsageError
 
 WHOLE = 1000
 """Bytes of memory that a triangle takes, at most, where all of them are analysed and checked at once."""
+
+_MEMORY = Remedy("analyse", "memory")
 
 RESERVE = 32_000_000
 """Bytes for what is imported and made on the way."""
@@ -20,7 +22,7 @@ RESERVE = 32_000_000
 def require_memory(memory: float) -> None:
     """Raise `UsageError` for what is no limit of memory."""
     if not (isinstance(memory, Real) and not isinstance(memory, bool) and 0 < memory < math.inf):
-        raise UsageError(f"memory is {memory!r}: it must be positive and finite, in bytes")
+        raise UsageError(_MEMORY, f" is {memory!r}: it must be positive and finite, in bytes")
 
 
 def fits(triangles: int, memory: float) -> bool:

@@ -1,7 +1,8 @@
 """Compressed files and archives: the one mesh in a gzip, bzip2, xz, zip or tar file is unpacked, within a limit.
 
 Nothing of an archive is trusted but the bytes of that member: it is written under a name of our own, into a folder of
-this run that goes when it has been read. An archive within an archive is not opened, nor are several meshes.
+this run that goes when it has been read. An archive within an archive is not opened, nor are several meshes. A link is
+the file of the archive that it leads to; hidden files, and those in hidden folders, are passed over as globs do.
 """
 
 from __future__ import annotations
@@ -9,9 +10,11 @@ from __future__ import annotations
 import atexit
 import math
 import re
+import stat
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path, PurePosixPath
+from posixpath import dirname, join, normpath
 from typing import IO, Any, NamedTuple
 
 from inertia.errors import InertiaError, ReadError, Remedy, visible
@@ -28,6 +31,7 @@ ARCHIVE = re.compile(r"(?i)\.(zip|tar|tgz|tbz2?|txz|tar\.(gz|bz2|xz))$")
 
 _COMPRESSED = re.compile(r"(?i)\.(gz|bz2|xz|gzip|lzma)$")
 _MEMBERS = 10_000  # entries of an archive that are looked at
+_LINKS = 40  # symbolic links that are followed to one file, as Linux does
 _BLOCK = 2**20
 _NAMED = 5
 _STREAMS = {b"\x1f\x8b": ("gzip", "gzip"), b"BZh": ("bzip2", "bz2"), b"\xfd7zXZ\x00": ("xz", "lzma")}
@@ -124,7 +128,7 @@ def meshes_in(path: Path, limit: float = UNPACK_LIMIT) -> list[str]:
 def is_packed(name: str) -> bool:
     """Say whether a file in an archive is, by its name, an archive or a compressed mesh."""
     mesh = _COMPRESSED.sub("", name)
-    return "__MACOSX" not in name and (ARCHIVE.search(name) is not None or (mesh != name and _is_mesh(mesh)))
+    return not _is_hidden(name) and (ARCHIVE.search(name) is not None or (mesh != name and _is_mesh(mesh)))
 
 
 @contextmanager
@@ -162,6 +166,7 @@ class _Tar(NamedTuple):
 
     version: object
     files: dict[str, list[Path]]
+    astray: dict[str, ReadError]
     refusal: ReadError | None
     stack: ExitStack
 
@@ -179,7 +184,7 @@ def _tar_member(path: Path, name: str, limit: float) -> Path:
         raise refusal
     places = _last_tar[0].files.get(name)
     if places == []:
-        raise _astray()
+        raise _last_tar[0].astray[name]
     _require_one(name, len(places or ()))
     assert places is not None
     return places[0]
@@ -190,6 +195,7 @@ def _unpacked_tar(path: Path, limit: float, version: object) -> _Tar:
     import tarfile
 
     files: dict[str, list[Path]] = {}
+    astray: dict[str, ReadError] = {}
     copies: dict[tuple[int, str], Path] = {}  # a file that several links share is there once
     used, refusal = 0, None
     with ExitStack() as stack, tarfile.open(path) as archive:
@@ -198,7 +204,8 @@ def _unpacked_tar(path: Path, limit: float, version: object) -> _Tar:
             if not (_is_mesh(name) or is_packed(name)):
                 continue
             places = files.setdefault(name, [])
-            if member.islnk():
+            if not member.isreg():
+                astray[name] = _astray(member)
                 continue
             key = member.offset_data, _suffix(name)
             if key not in copies:
@@ -210,7 +217,7 @@ def _unpacked_tar(path: Path, limit: float, version: object) -> _Tar:
                 used += member.size
             if copies[key] not in places:
                 places.append(copies[key])
-        return _Tar(version, files, refusal, stack.pop_all())
+        return _Tar(version, files, astray, refusal, stack.pop_all())
 
 
 @atexit.register
@@ -220,8 +227,12 @@ def _forget_tar() -> None:
 
 
 def _is_mesh(name: str) -> bool:
-    path = PurePosixPath(name)
-    return path.suffix.lower() in _MESHES and not path.name.startswith(".") and "__MACOSX" not in name
+    return PurePosixPath(name).suffix.lower() in _MESHES and not _is_hidden(name)
+
+
+def _is_hidden(name: str) -> bool:
+    """Say whether a file is hidden, or lies in a hidden folder, or holds what macOS keeps beside another one."""
+    return "__MACOSX" in name or any(part[0] == "." and part != ".." for part in PurePosixPath(name).parts)
 
 
 def _suffix(name: str) -> str:
@@ -251,14 +262,16 @@ def _from_tar(path: Path, to: Path, limit: float) -> tuple[Path, str]:
 
     with tarfile.open(path, "r:") as archive:
         files: dict[str, list[Any]] = {}
+        seen: set[tuple[str, int]] = set()
         for name, member in _tar_files(archive, _MEMBERS):
-            same = files.setdefault(name, [])
-            if member not in same:
-                same.append(member)
+            key = "" if _is_mesh(name) else name, member.offset  # a mesh and a link to it are one
+            if key not in seen:
+                seen.add(key)
+                files.setdefault(name, []).append(member)
         name = _mesh_among(files)
         _require_one(name, len(files[name]))
-        if files[name][0].islnk():
-            raise _astray()
+        if not files[name][0].isreg():
+            raise _astray(files[name][0])
         return _tar_copy(archive, files[name][0], to, limit), name
 
 
@@ -277,35 +290,72 @@ def _tar_copy(archive: Any, member: Any, to: Path, limit: float, used: int = 0) 
         return _copy(stream, to, limit, used)
 
 
-def _astray() -> ReadError:
-    says = "it is a hard link to a file that is not before it: pack it again, with that file"
+def _astray(member: Any) -> ReadError:
+    """Return why an entry of a tar archive has no contents."""
+    says = "it is a pipe or a device, and no file: leave it out"
+    if member.islnk():
+        says = "it is a hard link to a file that is not before it: pack it again, with that file"
+    elif member.issym():
+        return _no_file(member.linkname)
+    return ReadError(says, code="damaged_archive")
+
+
+def _no_file(target: str) -> ReadError:
+    says = f"it is a link to {visible(target)}, which is no file in the archive: pack it again, with that file"
     return ReadError(says, code="damaged_archive")
 
 
 def _tar_files(archive: Any, most: float = math.inf, room: float = math.inf) -> Iterator[tuple[str, Any]]:
-    """Yield the name of every file in a tar archive, and the entry with its contents: of a hard link, another one's.
+    """Yield the name of every file in a tar archive, and the entry with its contents: of a link, another one's.
 
-    A link to no file that is before it comes with its own entry. Only so many entries are read, and bytes.
+    Symbolic links come last, since they may lead to what is behind them. A link to no file in the archive, of a hard
+    one to none before it, comes with its own entry, as pipes and devices do. Only so many entries are read, and bytes.
     """
-    files: dict[PurePosixPath, Any] = {}
+    files: dict[str, Any] = {}
+    links: list[Any] = []
     for number, member in enumerate(archive):
         if number >= most:
             raise ReadError(f"it has more than {most} entries: unpack it and give the mesh in it", code="too_large")
         if archive.offset > room:
             raise _bomb(room)
-        if member.isreg() or member.islnk():
-            entry = files.get(PurePosixPath(member.linkname), member) if member.islnk() else member
-            files[PurePosixPath(member.name)] = entry
+        if member.issym():
+            links.append(member)
+        elif not member.isdir():
+            entry = files.get(normpath(member.linkname), member) if member.islnk() else member
+            files[normpath(member.name)] = entry
             yield member.name, entry
+    files = {normpath(member.name): member for member in links} | files
+    for member in links:
+        entry = member
+        for _ in range(_LINKS):
+            if entry is not None and entry.issym():
+                entry = files.get(_led_to(entry.name, entry.linkname))
+        yield member.name, member if entry is None or entry.issym() else entry
+
+
+def _led_to(name: str, target: str) -> str:
+    """Return the name in an archive that a symbolic link leads to."""
+    return normpath(join(dirname(name), target))
 
 
 _MESHES = frozenset(suffix for suffixes in EXTENSIONS.values() for suffix in suffixes)
 
 
 def _in_zip(archive: Any, name: str) -> Any:
-    """Return the entry of a name in a zip archive."""
+    """Return the entry of a name in a zip archive; of a symbolic link, the one that it leads to."""
     _require_one(name, sum(info.filename == name for info in archive.infolist()))
-    return archive.getinfo(name)
+    info = archive.getinfo(name)
+    target = ""
+    for _ in range(_LINKS):
+        if not stat.S_ISLNK(info.external_attr >> 16) or info.flag_bits & 1:
+            return info
+        with archive.open(info) as stream:
+            target = stream.read(_BLOCK).decode(errors="replace")
+        files = {normpath(each.filename): each for each in archive.infolist()}
+        if (led_to := files.get(_led_to(info.filename, target))) is None:
+            break
+        info = led_to
+    raise _no_file(target)
 
 
 def _require_one(name: str, count: int) -> None:
@@ -324,7 +374,7 @@ def _mesh_among(files: Iterable[str]) -> str:
     names = dict.fromkeys(files)
     if len(names) > _MEMBERS:
         raise ReadError(f"it has more than {_MEMBERS} entries: unpack it and give the mesh in it", code="too_large")
-    seen = [name for name in names if not PurePosixPath(name).name.startswith(".") and "__MACOSX" not in name]
+    seen = [name for name in names if not _is_hidden(name)] or list(names)
     meshes = [name for name in seen if PurePosixPath(name).suffix.lower() in _MESHES]
     if len(meshes) == 1 or (not meshes and len(seen) == 1):
         return (meshes or seen)[0]

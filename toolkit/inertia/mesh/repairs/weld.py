@@ -103,7 +103,9 @@ def clusters(points: Float, tolerance: float) -> Int:
     return components(tree.query_pairs(tolerance, output_type="ndarray"), len(points))
 
 
-def closing_distance(triangles: Triangles, vertices: Float, ends: Int, surplus: Int) -> float | None:
+def closing_distance(
+    triangles: Triangles, vertices: Float, ends: Int, surplus: Int, collapsed: float = 1.0
+) -> float | None:
     """Return the smallest tolerance, rounded up to three digits, with which `weld_within` closes a surface.
 
     Where welding closes a surface, any larger tolerance does too: the chain of its open edges stays zero when more of
@@ -115,19 +117,20 @@ def closing_distance(triangles: Triangles, vertices: Float, ends: Int, surplus: 
     vertices : its different vertices, (n, 3)
     ends : its edges, (e, 2), vertex numbers
     surplus : how much oftener each is used from the first end to the second than back, (e,)
+    collapsed : share of all edges that may be no longer than what closes the rim by itself: of more, it is not looked
+        any further, which takes long where one stray vertex makes the box large and many vertices close in it
 
     Returns None where no tolerance of at most a thousandth of the diagonal of the part's box closes it, or it would
     do so by letting a rim shrink to a point, as that of a hole, or by laying triangles on each other. More than 10⁵
     open edges are not looked at.
     """
-    ends, surplus = ends[surplus != 0], surplus[surplus != 0]
+    every, ends, surplus = ends, ends[surplus != 0], surplus[surplus != 0]
     if len(ends) > _EDGES:
         return None
-    tolerance: float | None = _CRACK * diagonal(vertices)
-    for numbers in np.unique(ends), np.arange(len(vertices)):
-        if tolerance is None:
-            return None
-        tolerance = _closing(vertices, numbers, ends, surplus, tolerance * _ABOVE)
+    tolerance = _closing(vertices, np.unique(ends), ends, surplus, _CRACK * diagonal(vertices) * _ABOVE)
+    if tolerance is None or (_lengths(vertices, every) <= tolerance).mean() > collapsed:
+        return None
+    tolerance = _closing(vertices, np.arange(len(vertices)), ends, surplus, tolerance * _ABOVE)
     if tolerance is None:
         return None
     named = float(_THREE_DIGITS.create_decimal_from_float(tolerance * _ABOVE))
@@ -161,7 +164,7 @@ def _closing(vertices: Float, numbers: Int, ends: Int, surplus: Int, limit: floa
     while (tree.count_neighbors(tree, limit) - len(numbers)) // 2 > _PAIRS // 10:
         limit /= 10
     pairs = numbers[tree.query_pairs(limit, output_type="ndarray")]
-    lengths = np.linalg.norm(vertices[pairs[:, 0]] - vertices[pairs[:, 1]], axis=1)
+    lengths = _lengths(vertices, pairs)
     distances = np.unique(lengths)
 
     def welded(k: int) -> Int:
@@ -176,9 +179,15 @@ def _closing(vertices: Float, numbers: Int, ends: Int, surplus: Int, limit: floa
     first = bisect_left(range(len(distances)), True, key=closes)
     if first == len(distances):
         return None
-    along = np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1)
+    along = _lengths(vertices, ends)
     shrunk = np.equal(*welded(first).T)
     return float(distances[first]) if along[shrunk].sum() <= _SHRUNK * along.sum() else None
+
+
+def _lengths(vertices: Float, pairs: Int) -> Float:
+    """Return how far apart the vertices of each pair (k, 2) are, (k,)."""
+    lengths: Float = np.linalg.norm(vertices[pairs[:, 0]] - vertices[pairs[:, 1]], axis=1)
+    return lengths
 
 
 def require_finite(triangles: Triangles) -> None:
