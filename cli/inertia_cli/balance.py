@@ -101,7 +101,7 @@ def _add_short_form(parser: argparse.ArgumentParser) -> None:
     weight.add_argument("--mass", type=estimate, metavar="KG", help="as weighed, as 1.2±0.001")
     short.add_argument("--sigma", type=float, metavar="LENGTH", help="standard deviation of every vertex coordinate")
     short.add_argument("--chord", type=float, metavar="LENGTH", help="tolerance of the mesh, where more than it shows")
-    short.add_argument("--axis", type=_direction, metavar="x|y|z|X,Y,Z", help="direction of the shaft, from A to B")
+    short.add_argument("--axis", type=_direction, metavar="x|y|z|X,Y,Z", help="direction along the shaft")
     short.add_argument("--through", type=triple, metavar="X,Y,Z", help="a point on the shaft (0,0,0)")
     short.add_argument("--bearings", type=_numbers, metavar="A,B", help="places of the bearings along the axis")
     short.add_argument("--axis-uncertainty", type=float, metavar="RADIUS", help="of the bearing centres")
@@ -110,7 +110,7 @@ def _add_short_form(parser: argparse.ArgumentParser) -> None:
     short.add_argument("--rpm", type=float, metavar="N", help="highest speed in service, r/min")
     short.add_argument("--critical-rpm", type=float, metavar="N", help="first critical speed, r/min")
     limit = short.add_mutually_exclusive_group()
-    limit.add_argument("--grade", type=float, metavar="G", help="balance quality grade of ISO 21940-11, mm/s")
+    limit.add_argument("--grade", type=_grade, metavar="G", help="balance quality grade of ISO 21940-11, 6.3 or G6.3")
     limit.add_argument("--e-um", type=float, metavar="UM", help="permissible specific unbalance, µm")
     short.add_argument(
         "--planes", type=_numbers, metavar="Z,...", help="places of the correction planes along the axis"
@@ -285,8 +285,11 @@ def _rotor_of_part(options: argparse.Namespace) -> Rotor:
         raise UsageError("--max-depth is that of holes: give --drill with it")
     if options.drill is not None and options.planes is None:
         raise UsageError("--drill says with what, but not where: give --planes with it")
+    # Options count along --axis, a rotor's places from bearing A to B.
+    back = options.axis is not None and len(options.bearings or ()) == 2 and options.bearings[1] < options.bearings[0]
     planes = [
-        {"id": _ROMAN[k] if k < len(_ROMAN) else str(k + 1), "z": z, "max_depth": options.max_depth, **method}
+        {"id": _ROMAN[k] if k < len(_ROMAN) else str(k + 1), "z": 0.0 - z if back else z, **method}
+        | {"max_depth": options.max_depth}
         for k, z in enumerate(options.planes or [])
     ]
     table: dict[str, Any] = {
@@ -332,6 +335,16 @@ def _numbers(text: str) -> list[float]:
         return [float(one) for one in text.split(",")]
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r} is no list of numbers: give them as A,B") from None
+
+
+def _grade(text: str) -> float:
+    from inertia.balancing.standards import GRADE
+
+    written = GRADE.fullmatch(text)
+    try:
+        return float(written[1] if written else text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is no grade: give a number, as 6.3 or G6.3") from None
 
 
 def _direction(text: str) -> tuple[float, ...]:

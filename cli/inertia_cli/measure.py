@@ -112,6 +112,7 @@ def _write(result: Measurement, options: argparse.Namespace) -> None:
             write_whole(Path(options.coefficients), result.coefficients().to_toml().encode())
         balance = result.balance
         if options.report is not None and balance is not None:
-            save_balance_html(report_data(balance), options.report, force=options.force)
+            data = report_data(balance, machine=result.job.machine_angles)
+            save_balance_html(data, options.report, force=options.force)
         if options.cut_part is not None and balance is not None and balance.correction is not None:
             write_stl(balance.correction.parts, options.cut_part, balance.rotor.unit, force=options.force)

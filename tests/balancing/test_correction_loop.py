@@ -252,6 +252,13 @@ def test_drills_make_up_for_what_a_kit_leaves(rotor, case_14, capfd):
     )
 
 
+@pytest.mark.parametrize("seconds", [1e-3, 1.0])
+def test_however_little_time_there_is_a_plan_is_made(rotor, case_14, seconds):
+    correction = correct([rotor], [STEEL], on_z(), case_14[0], DRILLS, case_14[1], seconds=seconds)
+    assert correction.operations
+    assert np.abs(seen(correction.residual)).max() < np.abs(seen(case_14[0])).max()
+
+
 def test_the_least_residual_may_take_more_places_than_what_was_asked_for(rotor, case_14):
     coarse = [replace(k, depth_step=2e-3, angle_step=math.radians(20)) for k in DRILLS]
     asked, least = (

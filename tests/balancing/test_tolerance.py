@@ -104,6 +104,20 @@ class TestOthers:
         assert tolerance.shares is None
 
     @pytest.mark.parametrize(
+        ("standard", "rpm", "micrometres"),
+        [
+            ("API 617", 24_999.0, 6350 / 24_999),
+            ("API 617", 25_000.0, 0.254),  # 10 microinches, whatever the speed
+            ("API 617", 40_000.0, 0.254),
+            ("API 610", 40_000.0, 6350 / 40_000),
+        ],
+    )
+    def test_api_617_allows_a_fast_rotor_no_less(self, standard, rpm, micrometres):
+        tolerance = api(standard, rotor(0.5), PLANES, rpm)
+        assert tolerance.permissible[0] / 50.0 == pytest.approx(1e-6 * micrometres, rel=2e-6)
+        assert ("W/3.937" in tolerance.rule) == (micrometres == 0.254)
+
+    @pytest.mark.parametrize(
         ("rpm", "ounce_inches"),
         [
             (100, 0.177 * 1000),

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from inertia_cli.main import main
@@ -106,6 +107,27 @@ def test_places_may_be_negative(capsys: pytest.CaptureFixture[str]) -> None:
         capsys, str(path("disc.stl")), "--axis", "z", "--bearings", "-20,20", "--rpm", "300", "--grade", "40"
     )
     assert [plane["z_mm"] for plane in result["tolerance_planes"]] == [-20, 20]
+
+
+def test_planes_count_along_the_axis_as_bearings_do_whichever_comes_first(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    lowest = []
+    for bearings in ("20,280", "280,20"):
+        options = ("--axis", "z", "--bearings", bearings, "--planes", "90,215", "--drill", "16", "--max-depth", "20")
+        cut = tmp_path / "cut.stl"
+        code, out, _ = run(
+            capsys, MESH, *options, "--rpm", "3000", "--grade", "G6.3", "--material", "steel", "--cut-part", str(cut),
+            "--force",
+        )  # fmt: skip
+        assert code == 0
+        corners = np.frombuffer(cut.read_bytes()[84:], np.dtype([("n", "<3f4"), ("v", "<9f4"), ("a", "<u2")]))["v"]
+        places = corners.reshape(-1, 3)
+        # Holes of 16 mm about z = 90 and 215, below the rims of radius 100 and 80.
+        holes = places[(np.hypot(places[:, 0], places[:, 1]) < 97) & (np.abs(places[:, 2] - 90) < 8.1)]
+        lowest.append(len(holes))
+        assert ("plane I at z = -90 mm is at z = 90 mm of the part" in " ".join(out.split())) == (bearings[:2] == "28")
+    assert min(lowest) > 100
 
 
 def test_without_an_axis_candidates_are_listed_and_nothing_is_judged(capsys: pytest.CaptureFixture[str]) -> None:

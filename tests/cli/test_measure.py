@@ -97,6 +97,101 @@ def test_a_job_that_counts_against_rotation_drills_at_the_mirrored_angle(
         assert one["job_angle_deg"] == pytest.approx((30 - other["angle_deg"]) % 360, abs=0.3)
 
 
+def test_the_shop_sheet_counts_angles_as_the_job_does(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    folder = shutil.copytree(path(jobs()[0]).parents[1], tmp_path / "samples")
+    job = folder / "jobs" / "two_disc_rotor.toml"
+    text = job.read_text(encoding="utf-8").replace('"with rotation"', '"against rotation"\nzero = 30')
+    job.write_text(text.replace("211.0", "179.0").replace("19.5", "10.5"), encoding="utf-8")
+    rotor = folder / "rotors" / "two_disc_rotor.toml"
+    for own in ("ccw", "cw"):  # of the rotor file, which says nothing of the machine that measured
+        table = rotor.read_text(encoding="utf-8")
+        table = table if own == "ccw" else table.replace("[report]", f'[report]\nmachine_angles = "{own}"')
+        rotor.write_text(table, encoding="utf-8")
+        report = tmp_path / f"{own}.html"
+        result = json.loads(run(capsys, str(job), "--json", "--report", str(report))[1])
+        page = report.read_text(encoding="utf-8")
+        steps = re.findall(r"at <b>([\d.]+)°</b> of the machine \(([\d.]+)° in this report\)", page)
+        # The heavy spots are at 179° and 10.5° of the machine, whose 0° is at 30° and which counts the other way.
+        assert [float(one) for one, _ in steps] == pytest.approx([179.0, 10.5], abs=0.3)
+        assert [float(one) for one, _ in steps] == [round(work["job_angle_deg"], 1) for work in result["corrections"]]
+        assert [float(other) for _, other in steps] == pytest.approx([30 - 179 + 360, 30 - 10.5], abs=0.3)
+        assert "The machine counts angles clockwise in this view, and its 0° is at 30.0° of it." in page
+        strips = page[page.index('class="wraps"') :]
+        assert "the ends meet at 30.0°" in strips
+        assert all(f"{one}°</text>" in strips for one, _ in steps)
+    capsys.readouterr()
+    plain = tmp_path / "plain.html"
+    run(capsys, ROTOR, "--report", str(plain))
+    assert "of the machine" not in plain.read_text(encoding="utf-8")
+
+
+def test_what_is_to_be_drilled_multiplies_out(capsys: pytest.CaptureFixture[str]) -> None:
+    out = " ".join(run(capsys, ROTOR)[1].split())
+    found = re.findall(r"remove ([\d.]+) g whose centre is at radius ([\d.]+) mm = ([\d.]+) g·mm at", out)
+    assert len(found) == 2
+    for mass, radius, unbalance in found:
+        assert float(mass) * float(radius) == pytest.approx(float(unbalance), rel=1e-3)
+
+
+JOB = """
+method = "balancing machine"
+rpm = 900
+conventions = { angles = "with rotation", shows = "unbalance" }
+plane = [{ id = "P", radius = 5, permissible_gmm = 0.0004 }]
+run = [{ id = "r", readings = [{ sensor = "P", amplitude = 0.0021, phase = 359.99 }] }]
+"""
+
+
+def test_figures_of_a_rotor_of_milligrams_are_figures(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    job, page = tmp_path / "job.toml", tmp_path / "page.html"
+    job.write_text(JOB, encoding="utf-8")
+    out = run(capsys, str(job), "--certificate", str(page))[1]
+    for text in (out, re.sub("<[^<>]*>", "", page.read_text(encoding="utf-8"))):
+        assert "0.000420 g = 0.00210 g·mm at " in text
+        assert "0.00210 ∠ 0.0°" in text
+        assert "0.000400" in text
+        assert "360.0°" not in text
+        assert "<0.001" not in text
+
+
+def test_two_weights_of_one_size_are_written_alike(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    job = tmp_path / "job.toml"
+    text = JOB.replace("radius = 5", "radius = 100, positions = { count = 3 }").replace("0.0021", "1000")
+    job.write_text(text.replace("359.99", "240"), encoding="utf-8")
+    assert "plane P: 10.00 g at 0.0°, 10.00 g at 120.0°" in run(capsys, str(job))[1]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("method =", 'readings = "empty.csv"\nmethod ='), "readings names empty.csv, which has none: add a line"),
+        (("method =", "method ="), "run has no readings: give each run what was read"),
+        (('id = "r"', 'id = ""'), "run[0].id is '': it must be text that is not empty"),
+    ],
+)
+def test_what_is_empty_is_said_to_be(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, change: tuple[str, str], words: str
+) -> None:
+    (tmp_path / "empty.csv").write_text("run,sensor,rpm,amplitude,phase\n", encoding="utf-8")
+    job = tmp_path / "job.toml"
+    lines = JOB.replace(*change).splitlines()
+    job.write_text("\n".join([*lines[:-1], lines[-1].partition(", readings")[0] + " }]"]), encoding="utf-8")
+    code, _, err = run(capsys, str(job))
+    assert code == 2
+    assert words in err
+
+
+def test_the_log_has_weights_in_gram_millimetres_too(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    job, log = tmp_path / "job.toml", tmp_path / "log.csv"
+    weights = (
+        'weights = [{ plane = "P", gmm = 4, angle = 30 }, { plane = "P", mass_g = -2, radius = 1.5, angle = 30 }], '
+    )
+    job.write_text(JOB.replace("radius = 5, ", "").replace("readings", weights + "readings"), encoding="utf-8")
+    run(capsys, str(job), "--log", str(log))
+    (row,) = csv.DictReader(io.StringIO(log.read_text(encoding="utf-8")))
+    assert row["mounted"] == "P 1 g·mm at 30"
+
+
 def test_a_run_after_the_work_verifies_it(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     folder = shutil.copytree(path(jobs()[0]).parents[1], tmp_path / "samples")
     job = folder / "jobs" / "two_disc_rotor.toml"

@@ -190,6 +190,63 @@ def test_with_repair_the_fillings_are_in_the_bounds() -> None:
     assert analysis.properties.error == inertia.analyse(part, 1.0, allow_faults=0.5).properties.error
 
 
+def soup(mesh: Mesh, gap: float) -> Mesh:
+    """Return a mesh whose triangles share no corner, each a little off."""
+    corners = mesh[0][mesh[1]] + np.random.default_rng(0).uniform(-gap, gap, (len(mesh[1]), 3, 3))
+    return corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3)
+
+
+ASIDE, WITHIN = cube((2, 0, 0), 0.25), cube((0.1, 0, 0), 0.25)
+GUESSES = {
+    "inverted_body": (mesh_of(joined(cube(), inside_out(ASIDE))), [cube(), mesh_of(joined(cube(), ASIDE))]),
+    "overlapping_bodies": (mesh_of(joined(cube(), WITHIN)), [cube(), mesh_of(joined(cube(), inside_out(WITHIN)))]),
+    "crack": (soup(cube(), 4e-7), [cube()]),
+}
+
+
+@pytest.mark.parametrize("code", GUESSES)
+def test_with_repair_all_that_it_guessed_is_in_the_bounds(code: str) -> None:
+    given, possible = GUESSES[code]
+    repaired = inertia.repair(Part.from_arrays(*given)).part
+    analysis = inertia.analyse(repaired, 1.0, allow_faults=0.9)
+    assert code in {finding.code for finding in analysis.doubts}
+    for solid_meant in (*possible, *([] if code == "crack" else [given])):
+        assert holds(analysis, exact(*solid_meant))
+    with pytest.raises(GeometryError, match="what repair made up leaves"):
+        inertia.analyse(repaired, 1.0, allow_faults=1e-8)
+
+
+def test_a_vertex_off_its_edge_by_a_rounding_is_in_the_bounds() -> None:
+    """Of boxes with a hanging vertex at the rounded middle of an edge, at accuracies beyond float64."""
+    held = []
+    for seed in range(150, 250):
+        rng = np.random.default_rng(seed)
+        turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        vertices, faces = cube()
+        vertices = vertices * rng.uniform(0.5, 2, 3) @ (turn * np.linalg.det(turn)) + rng.normal(size=3) * 10
+        truth, which = exact(vertices, faces), rng.integers(len(faces))
+        a, b, c = faces[which]
+        vertices = np.vstack([vertices, (vertices[a] + vertices[b]) / 2])
+        faces = np.vstack([faces, [8, b, c]])
+        faces[which] = a, 8, c
+        properties = inertia.analyse(
+            Part.from_arrays(vertices, faces), 1.0, accuracy="exact", allow_faults=0.1
+        ).properties
+        pair, bound = properties.center_of_mass_pair()
+        off = [Fraction(x) + Fraction(y) - z for x, y, z in zip(*pair.tolist(), truth.center, strict=True)]
+        held.append(math.hypot(*map(float, off)) <= bound)
+    assert all(held)
+
+
+def test_a_refusal_for_a_shell_inside_out_names_what_to_allow() -> None:
+    part = Part.from_arrays(*mesh_of(joined(cube(), inside_out(cube((1, 0, 0), 0.125)))))
+    with pytest.raises(GeometryError, match="inside out") as refusal:
+        inertia.analyse(part)
+    allowed = refusal.value.remedies[-1]
+    assert allowed.argument == ALLOW_FAULTS.argument
+    assert inertia.analyse(part, allow_faults=allowed.value).doubts
+
+
 def test_with_union_only_what_is_open_is_in_doubt() -> None:
     whole, other = sphere(), sphere((1.5, 0, 0))
     missing = joined((whole[0], whole[1][4:]), other)

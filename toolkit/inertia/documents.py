@@ -450,7 +450,8 @@ def _is_empty(cell: Any) -> bool:
 
 def _text(value: Any, path: str) -> str:
     if not isinstance(value, str) or not value.strip():
-        raise FieldError(path, f"is {short_repr(value)}: it must be text")
+        some = " that is not empty" if isinstance(value, str) else ""
+        raise FieldError(path, f"is {short_repr(value)}: it must be text{some}")
     return value
 
 

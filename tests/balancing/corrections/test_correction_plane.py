@@ -70,7 +70,6 @@ def test_point_length():
             "every one of its angles lies in a forbidden sector",
         ),
         (AXIAL, {"face": None}, "face is None: say whether axial holes enter the face to bearing 'a' or 'b'"),
-        (AXIAL, {"through": True, "max_depth": None}, "through holes have no depth: give the thickness"),
         (AXIAL, {"method": "mill"}, "a milled flat has no width"),
         (AXIAL, {"method": "mill", "width": 0.01, "max_depth": 0.07}, "max_depth 0.07 m reaches the shaft's axis"),
         (KIT, {"kit": ()}, "its kit is empty: give the masses"),

@@ -154,6 +154,55 @@ def test_without_phase_hopeless_trials_decide_nothing(angles, trial):
         assert outcome in ("undecided", "refused")
 
 
+def spread_of(draws):
+    """Twice the standard deviation of complex draws in the direction in which it is largest."""
+    return 2 * math.sqrt(np.linalg.eigvalsh(np.cov(draws.real, draws.imag))[-1])
+
+
+def off(random, size=200_000):
+    return (1 + OFF * random.uniform(-1, 1, size)) * np.exp(1j * OFF * random.uniform(-1, 1, size))
+
+
+def test_what_is_stated_of_readings_is_of_those_that_were_read_runout_and_all():
+    # A runout of 10 µm at 90° beside 0.5 µm of 50 g·mm: 2 % of what is read are 20 g·mm.
+    runout, unbalance = 10j, 50 * np.exp(0.7j)
+    table = job_of(np.array([[0.01 + 0j]]), np.array([unbalance]), [5.0], permissible_gmm=60).to_dict()
+    table["sensor"][0]["runout"] = {"amplitude": 10, "phase": 90}
+    exact = [0.01 * unbalance + runout, 0.01 * (unbalance + 500) + runout]
+    for run, shown in zip(table["run"], exact, strict=True):
+        run["readings"][0] |= {"amplitude": abs(shown), "phase": math.degrees(np.angle(shown))}
+    result = measure(Job.from_dict(table | {"tolerance": {"vibration": 0.6}}))
+    random = np.random.default_rng(0)
+    taken = runout * off(random)
+    first, trial = (shown * off(random) - taken for shown in exact)
+    (plane,) = result.planes
+    assert 1e6 * plane.unbalance == pytest.approx(unbalance)
+    drawn = spread_of(500 * first / (trial - first))
+    assert 0.98 * drawn <= 1e6 * plane.expanded <= 1.1 * drawn
+    assert 2 * result.estimate.present_uncertainty == pytest.approx([spread_of(first)], rel=0.01)
+    assert (result.outcome, plane.outcome) == ("undecided", "undecided")
+    assert "S0 at 1500 r/min, calculated: 0.5 ± 0.33 mm/s rms" in result.why[1]
+
+
+def test_a_vibration_that_no_run_shows_is_known_as_well_as_what_it_is_calculated_from():
+    # 1000 g·mm less 990 that stay, read with a trial weight of 500 beside: 10 mm/s and 5.1, and calculated 0.1.
+    table = job_of(np.array([[0.01 + 0j]]), np.array([1000 + 0j]), [4.9]).to_dict()
+    stays = {"plane": "P0", "mass_g": 9.9, "angle": 180, "stays": True}
+    table["run"][1]["weights"] = [stays, {"plane": "P0", "mass_g": 5, "angle": 0}]
+    table["run"][1]["readings"][0] |= {"amplitude": 5.1, "phase": 0}
+    table["tolerance"] = {"vibration": 0.15}
+    result = measure(Job.from_dict(table))
+    random = np.random.default_rng(0)
+    first, last = 10 * off(random), 5.1 * off(random)
+    drawn = last + 500 * (last - first) / 490
+    assert abs(result.present[0]) == pytest.approx(0.1)
+    assert 2 * result.estimate.present_uncertainty == pytest.approx([spread_of(drawn)], rel=0.01)
+    assert result.outcome == "undecided"
+    # Read without the trial weight, it is off by what is stated of its amplitude.
+    table["run"].append({"id": "2", "readings": [table["run"][0]["readings"][0] | {"amplitude": 0.1}]})
+    assert "S0 at 1500 r/min: 0.1 ± 0.002 mm/s rms against 0.15: PASS" in measure(Job.from_dict(table)).why
+
+
 def test_no_bound_is_null_in_the_document_and_said_in_words():
     matrix, unbalance = machine(np.random.default_rng(1), 1, 1)
     result = measure(job_of(matrix, unbalance, [0.01], np.random.default_rng(2), permissible_gmm=100))

@@ -36,6 +36,17 @@ def changed(*steps, value):
     return table
 
 
+@pytest.mark.parametrize(
+    ("spelling", "unit"),
+    [
+        ("mm/s RMS", "mm/s rms"), ("MIL", "mil pp"), ("Mils P-P", "mil pp"), ("in/s pk", "in/s peak"),
+        ("mm/s 0-p", "mm/s peak"), ("IPS", "in/s peak"), ("um pk-pk", "µm pp"), ("M/S2 0-pk", "m/s² peak"),
+    ],
+)  # fmt: skip
+def test_units_of_vibration_are_spelt_as_shops_do(spelling, unit):
+    assert Job.from_dict(changed("sensor", 0, "unit", value=spelling)).fields.sensor[0].unit == unit
+
+
 @pytest.mark.parametrize("name", jobs())
 def test_the_samples_say_the_same_after_a_round_trip(name):
     job = Job.load(path(name))

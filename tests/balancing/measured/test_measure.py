@@ -187,9 +187,13 @@ def test_weights_stay_within_their_limit_and_at_their_positions():
     )
     for plane in result.planes:
         assert abs(plane.correction) <= 2e-3 * 0.1 * (1 + 1e-9)
+        assert sum(piece.mass for piece in plane.pieces) <= 2e-3 * (1 + 1e-9)
         assert {round(math.degrees(piece.angle)) % 360 for piece in plane.pieces} <= {0, 90, 180, 270}
         assert all(abs(1e4 * piece.mass - round(1e4 * piece.mass)) < 1e-6 for piece in plane.pieces)
-        assert abs(plane.left) < 0.1e-3 * 0.1
+        # Masses at two positions 90° apart, of 2 g together, make no more than lies on the chord between them.
+        turn = abs(math.degrees(cmath.phase(plane.correction)) % 90 - 45)
+        chord = 2.0 * (1.0 - math.cos(math.radians(45)) / math.cos(math.radians(turn)))
+        assert 1e4 * abs(plane.left) < chord + 0.1
     assert sum("is at its limit of 2 g" in note for note in result.notes) == 2
 
 
@@ -226,6 +230,46 @@ def test_runs_that_contradict_each_other_are_named():
     assert any(
         "the runs contradict each other: S0 at 3000 r/min" in note for note in measure(Job.from_dict(table)).notes
     )
+
+
+def test_runs_whose_noise_is_stated_hardly_ever_contradict_each_other():
+    # Every reading is off by 1 % in both directions, standard, which is stated; the trim run has one number to spare.
+    stated = {"amplitude": 0.01 * math.sqrt(3), "phase": math.degrees(0.01 * math.sqrt(3)), "mass": 0.0, "angle": 0.0}
+    machine, runs = Machine(21, 1, 3), [[], [(0, 5.0, 0.0, False)], [(0, 4.0, 200.0, True)], [(0, 2.0, 90.0, True)]]
+    results = [
+        measure(machine.job(runs, noise=0.01, stated=stated, plane={"permissible_gmm": 1e9})) for _ in range(150)
+    ]
+    # One of twelve readings is off by more than 3 in no more than 12 exp(−3²/2) of the jobs, by more than 5 in none.
+    named = sum(any("contradict" in note for note in result.notes) for result in results)
+    most = 150 * 12 * math.exp(-4.5)
+    assert 0 < named <= most + 2 * math.sqrt(most)
+    assert {result.outcome for result in results} == {"pass"}
+
+
+def test_runs_that_contradict_each_other_pass_nothing():
+    # 300 g·mm at 0° and 5 g·mm at 40°, and nothing was done between the two.
+    for sizes, outcome, words in (((300.0, 5.0), "undecided", True), ((300.0, 299.0), "fail", False)):
+        job = machine_job([(sizes[0], 0.0, 0), (sizes[1], 0.0, 0)], uncertainty={})
+        result = measure(job)
+        assert result.outcome == outcome
+        assert any("contradict each other by" in sentence for sentence in result.why) == words
+
+
+def test_what_a_hole_takes_counts_at_the_radius_that_is_logged():
+    # 10 g whose centre is at 46 mm are 460 g·mm; at the plane's 50 mm they would be 500.
+    table = machine_job([(463.0, 20.0, 0), (3.0, 20.0, 0)], uncertainty={}).to_dict()
+    weight = {"plane": "I", "mass_g": -10.0, "angle": 20.0, "stays": True}
+    for radius, words in ((46.0, None), (None, "what a hole takes counts at the radius of its own centre")):
+        table["run"][1]["weights"] = [weight | ({} if radius is None else {"radius": radius})]
+        result = measure(Job.from_dict(table))
+        assert 1e6 * abs(result.runs[1].mounted[0]) == pytest.approx(10.0 * (radius or 50.0))
+        notes = [note for note in result.notes if "contradict" in note]
+        assert len(notes) == (words is not None)
+        assert all(words in note and "is negative" not in note for note in notes)
+    for change, words in (({"radius": -1}, "must be positive"), ({"radius": 4, "gmm": 4, "mass_g": None}, "mass_g")):
+        entry = {key: value for key, value in (weight | change).items() if value is not None}
+        with pytest.raises(UsageError, match=rf"run\[1\].weights\[0\].radius .*{words}"):
+            Job.from_dict(table | {"run": [table["run"][0], table["run"][1] | {"weights": [entry]}]})
 
 
 def test_without_phase_four_runs_do():

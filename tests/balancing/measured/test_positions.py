@@ -18,6 +18,10 @@ def whole(pieces):
     return sum(piece.vector for piece in pieces)
 
 
+def mass(pieces):
+    return sum(piece.mass for piece in pieces)
+
+
 def degrees(*angles):
     return [math.radians(angle) for angle in angles]
 
@@ -114,7 +118,8 @@ def test_steps_and_weights_do_not_pass_the_limit_of_the_whole(places, more):
     vector = cmath.rect(11.0, 0.1)
     assert abs(whole(split_among(vector, places, **more))) > 11.1
     limited = split_among(vector, places, most_in_all=11.0, **more)
-    assert 6.0 < abs(whole(limited)) <= 11.0
+    assert abs(whole(limited)) > 6.0
+    assert mass(limited) <= 11.0
     assert split_among(vector, places, most_in_all=0.5, **more) == ()
 
 
@@ -136,13 +141,13 @@ def test_of_a_kit_no_choice_within_the_limit_is_nearer(
     kit = [KitWeight(f"w{k}", 10.0**size, None) for k, size in enumerate(sizes)]
     at_one = [numbers for numbers in product(range(most + 1), repeat=len(kit)) if sum(numbers) <= most]
     masses = [sum(n * weight.mass for n, weight in zip(numbers, kit, strict=True)) for numbers in at_one]
-    wholes = [
-        sum(mass * cmath.exp(1j * angle) for mass, angle in zip(choice, angles, strict=True))
+    nearest = min(
+        abs(sum(mass * cmath.exp(1j * angle) for mass, angle in zip(choice, angles, strict=True)) - vector)
         for choice in product(masses, repeat=count)
-    ]
-    nearest = min(abs(each - vector) for each in wholes if abs(each) <= cap * (1 - 1e-5))
+        if sum(choice) <= cap * (1 - 1e-5)
+    )
     pieces = split_among(vector, angles, most_in_all=cap, kit=kit, most_pieces=most)
-    assert abs(whole(pieces)) <= cap * (1 + 1e-5)
+    assert mass(pieces) <= cap * (1 + 1e-5)
     assert abs(whole(pieces) - vector) <= nearest + 2e-5 * max(weight.mass for weight in kit)
 
 
@@ -195,9 +200,25 @@ def test_stocks_and_the_limit_of_the_whole_are_kept_by_the_fewest_weights() -> N
 
 
 def test_masses_without_steps_reach_the_limit_of_the_whole() -> None:
-    for places in (None, [0.0, 0.5, 3.0]):
-        pieces = split_among(cmath.rect(11.0, 0.1), places, most_in_all=5.0)
-        assert whole(pieces) == pytest.approx(cmath.rect(5.0, 0.1))
+    (piece,) = split_among(cmath.rect(11.0, 0.1), None, most_in_all=5.0)
+    assert piece.vector == pytest.approx(cmath.rect(5.0, 0.1))
+    # Halfway between two positions 120° apart, 10 g take 10 g at both: of 10 g in all, 5 g are at each.
+    pieces = split_among(cmath.rect(10.0, math.radians(60)), degrees(0, 120, 240), most_in_all=10.0)
+    assert [(round(math.degrees(k.angle)), k.mass) for k in pieces] == [(0, pytest.approx(5)), (120, pytest.approx(5))]
+
+
+@pytest.mark.parametrize("most", [math.inf, 3.0])
+@pytest.mark.parametrize("step", [0.0, 0.5])
+def test_no_masses_within_the_limit_of_the_whole_are_nearer(most: float, step: float) -> None:
+    rng = np.random.default_rng(3)
+    for count in (2, 3, 5, 8):
+        vector, limit = cmath.rect(10.0, rng.uniform(0, 6.3)), rng.uniform(4.0, 12.0)
+        places = rng.uniform(0, 6.3, count)
+        pieces = split_among(vector, places.tolist(), most=most, most_in_all=limit, step=step)
+        assert mass(pieces) <= limit * (1 + 1e-6)
+        draws = rng.dirichlet(np.full(count, 0.5), 50_000) * limit * rng.uniform(0.5, 1.0, (50_000, 1))
+        nearest = np.abs(np.minimum(draws, most) @ np.exp(1j * places) - vector).min()
+        assert abs(whole(pieces) - vector) <= nearest + 1e-6 + step * count
 
 
 @pytest.mark.parametrize("step", [0.0, 0.3, 1.0])

@@ -3,11 +3,18 @@
 import csv
 import io
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+import pytest
+
 from inertia.balancing.balance import balance
 from inertia.balancing.rotor import Rotor
+from inertia.mesh.part import Part
+from inertia.mesh.read import read
+from inertia.mesh.write import write_stl
 from inertia.report.balance.data import ReportData
 from inertia.report.balance.document import balance_csv, balance_document
 from inertia.report.balance.figures import report_data
@@ -91,6 +98,42 @@ def test_a_rotor_in_inches_is_reported_in_millimetres_without_the_noise_of_the_c
     notes = [note for note in data.notes if "miss it by up to" in note]
     assert notes
     assert all(f"up to {data.bodies[0].chord:.3g} mm" in note for note in notes)
+
+
+def test_a_tiny_rotor_is_printed_in_figures_that_can_be_carried_out(tmp_path: Path) -> None:
+    # The rotor of case 14 with 2.6 mm between its bearings, 11 mg.
+    corners = 1e-2 * read(path("two_disc_rotor.stl"), unit="mm").triangles.corners()
+    part = Part.from_arrays(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), "mm")
+    write_stl([part], tmp_path / "small.stl", part.unit)
+    fields = {
+        "body": [{"file": "small.stl", "density": 7850}],
+        "axis": {"bearing_a": [0, 0, 0.2], "bearing_b": [0, 0, 2.8]},
+        "service": {"rpm": 300_000},
+        "tolerance": {"grade": 6.3},
+        "plane": [{"id": k, "z": z, "method": "add", "radius": 0.5} for k, z in (("I", 0.9), ("II", 2.15))],
+    }
+    data = report_data(balance(Rotor.from_dict(fields, tmp_path)))
+    lines = {line.split()[0]: line.split() for line in balance_text(data).splitlines() if line[:2] in ("I-", "II")}
+    html = balance_html(data)
+    for work in data.operations:
+        mass = lines[work.id][-1]
+        assert float(mass) == pytest.approx(work.mass, rel=1e-3)
+        assert f"{mass} g" in html
+    assert "&lt;0.001 g" not in html
+    (limit,) = [line.split()[2] for line in balance_text(data).splitlines() if line.startswith("A   ")]
+    assert float(limit) == pytest.approx(1e6 * data.bearings[0].permissible, rel=1e-3)
+
+
+def test_a_hole_of_a_drills_point_alone_says_how_deep_that_goes() -> None:
+    data = marked()
+    works = tuple(replace(work, depth=0.0, angle=359.97, machine_angle=359.97) for work in data.operations)
+    shown = replace(data, operations=works)
+    tip = works[0].diameter / 2 / math.tan(math.radians(59))
+    html, lines = balance_html(shown), balance_text(shown)
+    assert f"its point alone, {tip:.2f} mm deep at the tip" in html
+    assert "0.00 mm deep" not in html
+    assert "360.0°" not in html
+    assert sum(line.split()[-3] == "point" for line in lines.splitlines() if line.startswith(("I-", "II-"))) == 2
 
 
 def test_what_is_uncertain_of_a_weight_is_said_beside_it(tmp_path: Path) -> None:

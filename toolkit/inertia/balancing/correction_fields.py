@@ -161,7 +161,7 @@ class PlaneFields(Section):
     wall : least material left under a hole
     face : of axial holes: "a" where they enter the face to bearing A, "b" to bearing B
     face_z : where along the shaft that face is, where it is not at z, as of a web; "find" for the nearest to z
-    through : axial holes go through; max_depth is the thickness
+    through : axial holes go through, as far as the part is thick; max_depth is the most that it may be
     width : of a flat or an arc, along the shaft
     min_depth : of an arc
     max_arc, arc_step : degrees, the longest arc, 120 without it, and what the shop can set
@@ -207,7 +207,10 @@ class PlaneFields(Section):
             raise FieldError(f"{path}.point_angle", f"is {self.point_angle:g}: it must be {_FLAT:g}, flat, or less")
         for k, (start, stop) in enumerate(self.forbidden or ()):
             if (stop - start) % 360.0 == 0:
+                whole = stop != start
                 raise FieldError(
                     f"{path}.forbidden[{k}]",
-                    f"ends where it begins, at {start:g}: give another angle as its end",
+                    f"is [{start:g}, {stop:g}], the whole turn: leave out the plane's method, or give a smaller sector"
+                    if whole
+                    else f"ends where it begins, at {start:g}: give another angle as its end",
                 )

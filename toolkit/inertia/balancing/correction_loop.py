@@ -15,6 +15,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import field, replace
+from importlib import import_module
 from time import thread_time
 
 import numpy as np
@@ -28,7 +29,7 @@ from inertia.balancing.corrections.milling import ArcCutter, FlatCutter
 from inertia.balancing.corrections.moving import improve
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.corrections.places import Places
-from inertia.balancing.corrections.room import no_room, remaining_wall, rooms
+from inertia.balancing.corrections.room import metal, no_room, remaining_wall, rooms
 from inertia.balancing.corrections.search import AIM, SECONDS, Plan, best_plan, rank
 from inertia.balancing.corrections.sharing import Sharing
 from inertia.balancing.corrections.standard_weights import WeightTool
@@ -40,6 +41,7 @@ from inertia.balancing.tolerance import Tolerance
 from inertia.balancing.unbalance import Complex, Unbalance, plane_weights
 from inertia.errors import UsageError
 from inertia.mesh.part import Part
+from inertia.mesh.surface import Surface
 from inertia.records import dataclass
 
 _SHARES = (0.7, 0.8)  # of the time left, for a plan and for another by what was cut
@@ -100,6 +102,7 @@ def correct(
     uncut: Unbalance | None = None,
     aim: float = AIM,
     seconds: float = SECONDS,
+    sag: float = 0.0,
 ) -> Correction:
     """Correct a rotor until its residual unbalance is within the tolerance, or the limits forbid it.
 
@@ -115,6 +118,8 @@ def correct(
     uncut : the unbalance of the parts themselves, where it is known: it is integrated otherwise
     aim : share of what is permissible that is to be left at most, if it can be
     seconds : how long a plan is looked for; then the best so far is taken
+    sag : m, how far facets may be from the true surface; depths are counted from what the tools meet, and facets no
+        farther from a plane's radius or face stand for it
 
     Raises
     ------
@@ -129,7 +134,8 @@ def correct(
     if _worst(start, limits) <= 1:
         return Correction((), unbalance, piece.parts, 0, (), True, (), "already within the tolerance")
     levers = np.column_stack([plane_weights(plane.z, at)[0] for plane in planes])
-    return _Loop(piece, tuple(planes), at, levers, limits, aim, thread_time() + seconds).run(start)
+    import_module("scipy.optimize")  # what loading it takes is none of the time for the plan
+    return _Loop(piece, tuple(planes), at, levers, limits, aim, thread_time() + seconds, sag).run(start)
 
 
 @dataclass(frozen=True)
@@ -161,8 +167,10 @@ class _Loop:
     limits: Float
     aim: float
     deadline: float
+    sag: float
     _taken: dict[_Place, Taken] = field(default_factory=dict, init=False)
-    _room: dict[Tool, tuple[Float, Float]] = field(default_factory=dict, init=False)
+    _room: dict[Tool, Steps] = field(default_factory=dict, init=False)
+    _met: dict[_Place, _Place] = field(default_factory=dict, init=False)
 
     def run(self, start: Complex) -> Correction:
         """Plan, cut every place by itself, mend the plan by what it took, and cut the best with all tools at once."""
@@ -239,27 +247,30 @@ class _Loop:
         steps = []
         for number, (plane, vector) in enumerate(zip(self.planes, vectors.tolist(), strict=True)):
             wanted = cmath.phase(plane.sign * vector)
-            for tool, room in zip(*self._tools(plane, wanted), strict=True):
-                steps.append(steps_of(number, tool, 2 * float(np.abs(vectors).max()), room))
-                self._room[tool] = steps[-1].angles, steps[-1].most
+            tools, rooms_of_tools, starts = self._tools(plane, wanted)
+            for tool, room in zip(tools, rooms_of_tools, strict=True):
+                steps.append(steps_of(number, tool, 2 * float(np.abs(vectors).max()), room, starts))
+                self._room[tool] = steps[-1]
         return steps
 
-    def _tools(self, plane: CorrectionPlane, wanted: float) -> tuple[tuple[Tool, ...], list[Float]]:
+    def _tools(self, plane: CorrectionPlane, wanted: float) -> tuple[tuple[Tool, ...], list[Float], Float]:
         """Return the tools of a plane, in the material nearest to an angle (rad) where they can start, and their room.
 
-        Raises `GeometryError` where there is none at any angle.
+        Last where it begins at each angle, m. Raises `GeometryError` where there is none at any angle.
         """
         tools, angles = tools_of_density(plane, 0.0), angles_of(plane)
         if not plane.cuts:
-            return tools, [np.full(len(angles), math.inf) for _ in tools]
-        room, density = rooms(self.piece.bodies, tools, angles)
-        usable = np.flatnonzero(np.isfinite(density) & (np.max(room, axis=0) >= 0))
+            return tools, [np.full(len(angles), math.inf) for _ in tools], np.zeros(len(angles))
+        room, found = rooms(self.piece.bodies, tools, angles, self.sag)
+        usable = np.flatnonzero(np.isfinite(found.density) & (np.max(room, axis=0) >= 0))
         if len(usable) == 0:
             raise no_room(self.piece.bodies, tools[0], wanted)
-        deepest = [max(float(k.max()), 0.0) for k in room]
+        deepest = [
+            float(found.thickness[k >= 0].max(initial=0.0) if plane.through else max(k.max(), 0.0)) for k in room
+        ]
         nearest = usable[np.abs((angles[usable] - wanted + math.pi) % FULL_TURN - math.pi).argmin()]
-        tools = tools_of_density(plane, float(density[nearest]))
-        return tuple(replace(k, limit=most) for k, most in zip(tools, deepest, strict=True)), room
+        tools = tools_of_density(plane, float(found.density[nearest]))
+        return tuple(replace(k, limit=most) for k, most in zip(tools, deepest, strict=True)), room, found.starts
 
     def _done(self, places: tuple[_Place, ...], start: Complex) -> _Work:
         """Cut every place by itself and add up what is left."""
@@ -270,12 +281,30 @@ class _Loop:
         return _Work(places, taken, left, _worst(left, self.limits))
 
     def _take(self, place: _Place) -> Taken | None:
-        solid = place.tool.solid(place.angle, place.setting)
-        if solid is None:
+        if not place.tool.plane.cuts:
             return None
         if place not in self._taken:
-            self._taken[place] = self.piece.taken(solid, self.at)
+            self._taken[place] = self.piece.taken(self._solid(place), self.at)
         return self._taken[place]
+
+    def _solid(self, place: _Place) -> Surface:
+        met = self._on_metal(place)
+        solid = met.tool.solid(met.angle, met.setting)
+        assert solid is not None, "what cuts has a solid"
+        return solid
+
+    def _on_metal(self, place: _Place) -> _Place:
+        """Return a place with its tool on the metal that it meets; a hole through is as deep as that is thick."""
+        if not place.tool.plane.cuts:
+            return place
+        if place not in self._met:
+            there = metal(self.piece.bodies, place.tool, np.array([place.angle]), self.sag)
+            met = replace(place, tool=replace(place.tool, start=float(there.starts[0])))
+            thickness = float(there.thickness[0])
+            if place.tool.plane.through and math.isfinite(thickness):
+                met = replace(met, setting=thickness)
+            self._met[place] = met
+        return self._met[place]
 
     def _change(self, place: _Place, taken: Taken | None) -> Complex:
         """Return what a place changes in the tolerance planes."""
@@ -330,17 +359,19 @@ class _Loop:
             angles = np.array([k for k in angles.tolist() if not plane.forbids(k, tool.half_angle_at(place.setting))])
             angles = angles if len(angles) else np.array([place.angle])
         sizes = np.array([tool.unbalance(k) for k in settings.tolist()])
-        grid, room = self._room[tool]
+        known = self._room[tool]
+        grid, room, starts = known.angles, known.most, known.starts
         above = np.searchsorted(grid, angles % FULL_TURN - 1e-9) % len(grid)
         # Between two angles there is as much room as at the worse of them.
         on = np.abs(grid[above] - angles % FULL_TURN) < 1e-9
         most = np.where(on, room[above], np.minimum(room[above], room[above - 1]))
-        return Steps(place.plane, tool, angles, settings, sizes, most)
+        begins = np.where(on, starts[above], np.maximum(starts[above], starts[above - 1]))
+        return Steps(place.plane, tool, angles, settings, sizes, most, begins)
 
     def _finished(self, best: _Work, plan: Plan, cut_short: bool, history: tuple[float, ...]) -> Correction:
         """Cut all places together, and say how it ended."""
         operations = self._operations(best)
-        solids = [solid for k in best.places if (solid := k.tool.solid(k.angle, k.setting)) is not None]
+        solids = [self._solid(k) for k in best.places if k.tool.plane.cuts]
         masses = [k for k in operations if k.kind in ("point_mass", "weight")]
         parts, residual = self.piece.cut(solids, masses)
         left = residual.in_many_planes(self.at)
@@ -393,10 +424,11 @@ class _Loop:
         for place in order:
             count[place.plane] += 1
             name = f"{self.planes[place.plane].id}-{count[place.plane]}"
-            operation = place.tool.operation(name, place.angle, place.setting * pieces[place])
+            met = self._on_metal(place)
+            operation = met.tool.operation(name, met.angle, met.setting * pieces[place])
             taken = self._take(place)
             if taken is not None:
-                thickness = remaining_wall(self.piece.bodies, place.tool, place.angle, place.setting)
+                thickness = remaining_wall(self.piece.bodies, met.tool, met.angle, met.setting)
                 operation = replace(
                     operation,
                     mass=taken.mass,

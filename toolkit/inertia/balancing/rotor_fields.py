@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from inertia.arrays import Float
 from inertia.balancing.correction_fields import EvenAngles, KeyFields, PlaneFields, listed_angles
 from inertia.balancing.corrections.search import AIM, SECONDS
-from inertia.balancing.standards import CATEGORIES, STANDARDS
+from inertia.balancing.standards import CATEGORIES, FORMER, GRADE, STANDARDS
 from inertia.documents import (
     FieldError,
     Reader,
@@ -95,6 +95,28 @@ class Radii(HalfWidths):
     section: ClassVar[str] = "radius"
 
     distribution: Annotated[Literal["uniform", "rayleigh"], choice("uniform", "rayleigh")] = "uniform"
+
+
+def _standard(value: Any, path: str) -> str:
+    name: str = _STANDARD(FORMER.get(value, value) if isinstance(value, str) else value, path)
+    return name
+
+
+_STANDARD = choice(*STANDARDS)
+standard = Reader(_standard, {"enum": [*STANDARDS, *FORMER]})
+"""Read the name of a standard, or one that it had before."""
+
+
+def _grade(value: Any, path: str) -> float:
+    if isinstance(value, str) and (written := GRADE.fullmatch(value)):
+        value = float(written[1])
+    figure: float = _FIGURE(value, path)
+    return figure
+
+
+_FIGURE = number("mm/s", positive=True)
+grade = Reader(_grade, {"oneOf": [_FIGURE.schema, {"type": "string", "pattern": f"^{GRADE.pattern}$"}]})
+"""Read a balance quality grade, 6.3 or "G6.3"."""
 
 
 def _half_width(unit: str, kind: type[HalfWidths] = HalfWidths, **limits: Any) -> Reader:
@@ -278,8 +300,8 @@ class ToleranceFields(Section):
 
     Attributes
     ----------
-    standard : ISO 21940-11 unless another criterion is given
-    grade : balance quality grade G, mm/s, of ISO 21940-11, or of a contract
+    standard : ISO 21940-11 unless another criterion is given; ISO 1940 is its name of before 2016
+    grade : balance quality grade G, mm/s, of ISO 21940-11, or of a contract; 6.3 or "G6.3"
     category : of fans, BV-1 to BV-5, for ISO 14694
     revision : of MIL-STD-167-1, whose limits differ: "1974", or "A" of 2005, which takes a grade
     e_um : permissible specific unbalance in µm, in place of a standard
@@ -289,8 +311,8 @@ class ToleranceFields(Section):
 
     section: ClassVar[str] = "tolerance"
 
-    standard: Annotated[str | None, choice(*STANDARDS)] = None
-    grade: Annotated[float | None, number("mm/s", positive=True)] = None
+    standard: Annotated[str | None, standard] = None
+    grade: Annotated[float | None, grade] = None
     category: Annotated[str | None, choice(*CATEGORIES)] = None
     revision: Annotated[Literal["1974", "A"] | None, choice("1974", "A")] = None
     e_um: Annotated[float | None, number("µm", positive=True)] = None
@@ -305,6 +327,9 @@ class ToleranceFields(Section):
             raise FieldError(path, "says nothing: give a grade, a standard, e_um or bearing_force")
         if others and len(criteria) > 1:
             raise FieldError(f"{path}.{criteria[0]}", f"goes with no {criteria[1]}: give the one that counts")
+        if self.bearing_force is not None and not (self.bearing_force > 0).all():
+            listed = ", ".join(f"{k:g}" for k in self.bearing_force.tolist())
+            raise FieldError(f"{path}.bearing_force", f"is [{listed}] N: both must be positive")
         name = self.standard or "ISO 21940-11"
         takes = {} if others else STANDARDS[name].takes
         revisions = [k for k in takes if k is not None]

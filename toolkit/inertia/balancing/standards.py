@@ -6,6 +6,7 @@ The table of balance quality grades and the machines that they are meant for is 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -108,7 +109,7 @@ STANDARDS: dict[str, Standard] = {
     "ISO 21940-12": Standard(_iso_21940_12, {None: ("grade",)}, "flexible rotors, mode by mode: not decided here"),
     "ISO 14694": Standard(_iso_14694, {None: ("category",)}, "fans, by an application category BV-1 to BV-5"),
     "API 610": Standard(_api("API 610"), {None: ()}, _W_OVER_N),
-    "API 617": Standard(_api("API 617"), {None: ()}, _W_OVER_N),
+    "API 617": Standard(_api("API 617"), {None: ()}, f"{_W_OVER_N}; from 25000 r/min on W/3.937 g·mm"),
     "MIL-STD-167-1": Standard(
         _mil,
         {"1974": (), "A": ("grade",)},
@@ -116,6 +117,12 @@ STANDARDS: dict[str, Standard] = {
     ),
 }
 """The standards by name: the only list of them."""
+
+FORMER = dict.fromkeys(("ISO 1940", "ISO 1940-1", "ISO 1940-1:2003", "ISO 21940-11:2016"), "ISO 21940-11")
+"""Names that ISO 21940-11 had before it took the place of ISO 1940-1, and with its year."""
+
+GRADE = re.compile(r"[Gg] ?(\d+(?:\.\d+)?)")
+"""How a balance quality grade is written, as G6.3 or G 6.3."""
 
 
 def grades_document(rpm: float | None = None) -> dict[str, Any]:

@@ -59,6 +59,7 @@ MIL_REVISIONS = ("MIL-STD-167-1", "MIL-STD-167-1A")
 
 _INBOARD, _OVERHUNG = (0.3, 0.7), (0.3, 1.3)
 _FOUR_W_OVER_N = 6.35e-3  # m r/min: 4 oz·in per lb, which are 6350 g·mm per kg, over N
+_API_617_FAST, _API_617_LEAST = 25_000.0, 1e-6 / 3.937  # r/min, from which on it allows this, m
 _MIL_SLOW = 0.177 * 1.5875e-3  # m: 0.177 oz·in per lb
 _LEFT = 1e-3  # of a limit: as small as it is taken to get by the mass that is uncertain
 
@@ -261,6 +262,10 @@ def specific_unbalance(
 def api(standard: str, rotor: Unbalance, planes: Planes, rpm: float) -> Tolerance:
     """Return the tolerance 6350 W/N g·mm per plane (4 W/N oz·in), W the mass in kg that the journal carries.
 
+    API 617 stops there at 25,000 r/min: from then on it is W/3.937 g·mm, a specific unbalance of 0.254 µm whatever the
+    speed (its 9th edition, 6.8.2.7, as `Rotor.api617_unbalance` of ROSS by Petrobras has it, whose report of 2019 has
+    max(6350/N, 0.25) W). Of API 610 no such floor is known.
+
     Parameters
     ----------
     standard : "API 610" or "API 617"
@@ -269,11 +274,13 @@ def api(standard: str, rotor: Unbalance, planes: Planes, rpm: float) -> Toleranc
     """
     if standard not in ("API 610", "API 617"):
         raise UsageError(f"the standard is {standard!r}: use 'API 610' or 'API 617'")
-    limit = _FOUR_W_OVER_N / _positive(rpm, "the speed", "r/min")
+    limit, rule = _FOUR_W_OVER_N / _positive(rpm, "the speed", "r/min"), "6350 W/N g·mm"
+    if standard == "API 617" and rpm >= _API_617_FAST:
+        limit, rule = _API_617_LEAST, "W/3.937 g·mm, from 25000 r/min on,"
     a, b = carried_masses(rotor.mass, rotor.z, *planes)
     return Tolerance(
         standard,
-        "6350 W/N g·mm per plane, W the journal's load in kg",
+        f"{rule} per plane, W the journal's load in kg",
         (limit * abs(a), limit * abs(b)),
         law=MassLaw(limit, rotor.mass, rotor.z, planes, (0.0, math.inf)),
     )

@@ -66,7 +66,7 @@ def _mended(
 def with_allowance(part: Part, parts: Parts, answer: Callable[..., Analysis], fault: GeometryError) -> GeometryError:
     """Return a refusal with what would have to be allowed for an answer, if there is one."""
     part = part if part.shape is None else replace(part, shape=None)
-    if not any(remedy in _MENDABLE for remedy in fault.remedies):
+    if fault.code != "inverted_body" and not any(remedy in _MENDABLE for remedy in fault.remedies):
         return fault
     remedy: Remedy | None = ALLOW_FAULTS
     if part.triangles.count <= _LOOKED_THROUGH:

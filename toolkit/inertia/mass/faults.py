@@ -53,22 +53,18 @@ def require_allowance(allow_faults: float) -> None:
 
 def mended(part: Part) -> Mended:
     """Close and turn the surface of a part; raise as `inertia.repair` where that cannot be done."""
-    result = repair(part, unite=False, bounded=True)
-    unit = part.unit.name
-    doubts = [
-        _finding(change.code, f"{change}{f' {unit}' if change.largest_move else ''}", change.count, change.doubt, unit)
-        for change in result.changes
-        if change.doubt is not None and change.code != "hole"
-    ]
-    return Mended(result.part, (*left_open(result.part), *doubts))
+    repaired = repair(part, unite=False, bounded=True).part
+    return Mended(repaired, left_open(repaired))
 
 
 def left_open(part: Part) -> tuple[Finding, ...]:
-    """Return what the fillings of holes leave in doubt, if repair filled some."""
+    """Return what repair leaves in doubt: fillings of holes, and what else it had to guess."""
+    unit = part.unit.name
+    guesses = tuple(_finding(each.code, each.what, each.count, each.doubt, unit) for each in part.guesses)
     if part.filling is None:
-        return ()
+        return guesses
     words = "filled holes: what lies between the closures that their rims admit"
-    return (_finding("hole", words, 1, part.filling, part.unit.name),)
+    return (_finding("hole", words, 1, part.filling, unit), *guesses)
 
 
 def nested(part: Part) -> tuple[Finding, ...]:

@@ -76,3 +76,13 @@ class Doubt:
         """Return the doubt about a surface whose winding is not known."""
         most = np.maximum(self.outward, self.inward)
         return Doubt(self.places, most, most, self.reach, self.either)
+
+
+@dataclass(frozen=True, eq=False)
+class Guess:
+    """What was changed of a surface without being known, the code of its fault, how many there were, and the doubt."""
+
+    what: str
+    code: str
+    count: int
+    doubt: Doubt

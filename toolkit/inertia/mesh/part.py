@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from inertia.arrays import Float, Int
 from inertia.errors import GeometryError, ReadError, UsageError, placed, visible
-from inertia.mesh.doubt import Doubt
+from inertia.mesh.doubt import Doubt, Guess
 from inertia.mesh.shape import Shape
 from inertia.mesh.surface import Facets, Surface, Triangles
 from inertia.mesh.version import Version
@@ -151,6 +151,8 @@ class Part:
     """What the fillings of holes may be off by, where repair filled some."""
     shape: Shape | None = None
     """The true shape, in the unit, that the triangles stand for, where the file stores it (STEP)."""
+    guesses: tuple[Guess, ...] = ()
+    """What else repair had to guess: cracks merged, shells turned, bodies united."""
 
     @classmethod
     def from_arrays(cls, vertices: ArrayLike, faces: ArrayLike, unit: str = "m") -> Part:

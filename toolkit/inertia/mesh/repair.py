@@ -24,7 +24,7 @@ import numpy as np
 from inertia.arrays import Float, Int
 from inertia.errors import UNION, GeometryError, placed
 from inertia.mesh.checks.findings import counted
-from inertia.mesh.doubt import Doubt
+from inertia.mesh.doubt import Doubt, Guess
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.edges import pair_edges
 from inertia.mesh.geometry.faces import components, merge_equal_vertices, repeated_corners
@@ -49,6 +49,8 @@ from inertia.mesh.unite import unite
 from inertia.records import dataclass
 
 _CRACK = 1e-6  # width of a crack that is closed unasked, over the diagonal of the part's box
+_FEW = 100  # bodies whose boxes are compared one by one
+_ROUNDING = 2.0**-51  # of the largest coordinate
 _NAMED = 5  # triangles named in a change
 
 
@@ -63,7 +65,7 @@ class Change:
     where : the first triangles concerned, by their numbers in the part as given, or a place in file units
     largest_move : the longest way that a vertex went, in file units
     doubt : the volume that there may be more or less for it, where it is a guess
-    code : of what is mended where there is a doubt: "crack", "sheet", "hole" or "inverted_body"
+    code : of what is mended where there is a doubt: "crack", "sheet", "hole", "inverted_body" or "overlapping_bodies"
     """
 
     what: str
@@ -180,6 +182,11 @@ def _rebuilt(part: Part, surface: Surface, origin: Int, changes: list[Change], f
     notes = (*part.notes, *(f"repaired: {change}" for change in changes))
     rounding = part.rounding if part.rounding is None else Rounding(part.rounding.distance)
     filling = Doubt.joined([part.filling, filling])
+    guesses = [
+        Guess(f"{change}{f' {part.unit.name}' if change.largest_move else ''}", change.code, change.count, change.doubt)
+        for change in changes
+        if change.doubt is not None and change.code != "hole"
+    ]
     mended = replace(
         part,
         geometry=surface,
@@ -188,6 +195,7 @@ def _rebuilt(part: Part, surface: Surface, origin: Int, changes: list[Change], f
         chord=chord,
         rounding=rounding,
         filling=filling,
+        guesses=(*part.guesses, *guesses),
         shape=None,
     )
     return Repair(mended, tuple(changes))
@@ -339,9 +347,10 @@ def _without_holes(mesh: _Mesh, bounded: bool) -> _Step:
     holes = zip(loops, fillings, strict=True)
     doubts = [closures(vertices, mesh.faces, edges, *hole, size, small=bounded) for hole in holes]
     moves = np.zeros(len(vertices))
+    rounding = _ROUNDING * float(np.abs(vertices).max())  # as a hanging vertex is off the edge that it stands on
     for loop, new in zip(loops, fillings, strict=True):
         rim = edges.head[loop]
-        moves[rim] = np.maximum(moves[rim], breadth(vertices, rim, new))
+        moves[rim] = np.maximum(moves[rim], breadth(vertices, rim, new) + rounding)
     doubt = Doubt.joined([*doubts, displaced(vertices, mesh.faces, moves)])
     mesh = _Mesh(vertices, np.concatenate([mesh.faces, *fillings]), np.concatenate([mesh.origin, *beside]), doubt)
     where = where if len(loops) == 1 else f"the largest {where}"
@@ -397,6 +406,7 @@ def _united(mesh: _Mesh, regions: Regions | None) -> _Step:
     bodies = nest(mesh.vertices, mesh.faces, half_edges(mesh.faces)).bodies()
     groups, where = _overlapping_groups(mesh.vertices, mesh.faces, bodies)
     vertices, faces, origin, rounding = [mesh.vertices], [], [], 0.0
+    doubts = []
     for group in groups:
         sources = mesh.origin[np.concatenate(group)]
         if regions is not None and len(several := np.unique(regions.index[sources])) > 1:
@@ -407,6 +417,7 @@ def _united(mesh: _Mesh, regions: Regions | None) -> _Step:
             )
         union = unite(Part(Surface(mesh.vertices, mesh.faces[np.concatenate(group)]))).part
         own, corners = merge_equal_vertices(union.triangles)
+        doubts.append(_more_than_once(mesh, group, own[corners]))
         faces.append(corners + sum(map(len, vertices)))
         vertices.append(own)
         origin.append(np.full(len(corners), sources.min()))
@@ -416,7 +427,26 @@ def _united(mesh: _Mesh, regions: Regions | None) -> _Step:
     rest = mesh.without(np.concatenate([body for group in groups for body in group]))
     every = np.concatenate(vertices), np.concatenate([rest.faces, *faces]), np.concatenate([rest.origin, *origin])
     mesh = _Mesh(*every, mesh.filling, rounding)
-    return mesh, [Change("overlapping bodies united", sum(map(len, groups)), where)]
+    doubt = Doubt.joined(doubts)
+    return mesh, [
+        Change("overlapping bodies united", sum(map(len, groups)), where, doubt=doubt, code="overlapping_bodies")
+    ]
+
+
+def _more_than_once(mesh: _Mesh, group: list[Int], union: Float) -> Doubt:
+    """Return the doubt about what bodies share, of which triangles (m, 3, 3) are the union: it may count twice, or be
+    a void."""
+    corners = [mesh.vertices[mesh.faces[body]] for body in group]
+    low, high = (np.array([side(body, axis=(0, 1)) for body in corners]) for side in (np.min, np.max))
+    box = np.stack([low.min(axis=0), high.max(axis=0)])
+    middle = box.mean(axis=0)
+    shared = max(sum(np.linalg.det(body - middle).sum() for body in corners) - np.linalg.det(union - middle).sum(), 0.0)
+    if len(group) <= _FEW:
+        i, j = np.triu_indices(len(group), 1)
+        common = np.stack([np.maximum(low[i], low[j]), np.minimum(high[i], high[j])], axis=1)
+        common = common[(common[:, 0] < common[:, 1]).all(axis=1)]
+        box = np.stack([common[:, 0].min(axis=0), common[:, 1].max(axis=0)])
+    return Doubt.within(box, shared / 6, shared / 6)
 
 
 def _overlapping_groups(vertices: Float, faces: Int, bodies: list[Int]) -> tuple[list[list[Int]], str]:

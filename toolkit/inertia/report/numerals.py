@@ -12,6 +12,7 @@ LABEL = 18
 """Width of the column of labels."""
 WIDTH = 120
 """Width of a line."""
+_MOST = 9  # decimals that are read with ease
 
 
 def significant(value: float, digits: int = 4, decimals: int = 3) -> str:
@@ -27,6 +28,42 @@ def significant(value: float, digits: int = 4, decimals: int = 3) -> str:
         return f"<{10.0**-decimals:.{decimals}f}"
     places = digits - 1 - math.floor(math.log10(size))
     return f"{value:.{min(max(places, 0), decimals)}f}"
+
+
+def scaled(value: float, decimals: int) -> str:
+    """Return a value with four significant digits as `significant` does; in powers of ten beside tiny scales.
+
+    >>> scaled(0.00007273, 8), scaled(2.909e-11, 14), scaled(1e-13, 8)
+    ('0.00007273', '2.909e-11', '<0.00000001')
+    """
+    return significant(value, 4, decimals) if decimals <= _MOST else f"{value + 0.0:.4g}"
+
+
+def decimals_of(scale: float, least: int = 3, digits: int = 4) -> int:
+    """Return with how many decimals, `least` or more, a value as large as `scale` has so many significant digits.
+
+    >>> decimals_of(109.9), decimals_of(7.3e-5), decimals_of(0.0)
+    (3, 8, 3)
+    """
+    return max(least, digits - 1 - math.floor(math.log10(scale))) if scale > 0 else least
+
+
+def grams(mass: float) -> str:
+    """Return a mass that has to be weighed or taken off, g: three decimals, or four digits below 0.1 g.
+
+    >>> grams(21.9361), grams(0.000012345), grams(0.0)
+    ('21.936', '0.00001235', '0.000')
+    """
+    return scaled(mass, decimals_of(mass)) if 0 < mass < 0.1 else fixed(mass, 3)
+
+
+def direction(degrees: float, decimals: int = 1) -> str:
+    """Return an angle as it is printed, from 0 up to but not including 360.
+
+    >>> direction(359.97), direction(-0.01), direction(90.0, 2)
+    ('0.0', '0.0', '90.00')
+    """
+    return fixed(round(degrees, decimals) % 360.0, decimals)
 
 
 def fixed(value: float, decimals: int) -> str:

@@ -108,7 +108,7 @@ class CorrectionPlane:
     min_wall : m, least material left under a tool, and beside a hole
     face : of axial holes: "a" if the face looks to bearing A (the drill goes towards B), else "b"
     face_z : m along the shaft, of the face that axial holes enter, where it is another than z
-    through : axial holes go through: `max_depth` is the thickness
+    through : axial holes go through, as far as the part is thick; `max_depth` is the most that it may be
     width : m along the shaft, of a flat or an arc
     min_depth : m, of an arc
     max_arc, arc_step : rad, the longest arc, and what the shop can set; 180° takes most
@@ -200,8 +200,6 @@ class CorrectionPlane:
             raise self._fault(f"face is {self.face!r}", "say whether axial holes enter the face to bearing 'a' or 'b'")
         if self.through and self.method != "drill_axial":
             raise self._fault("through holes are asked for", "only axial holes can go through")
-        if self.through and self.max_depth is None:
-            raise self._fault("through holes have no depth", "give the thickness as max_depth")
 
     def _check_cutter(self) -> None:
         what = "flat" if self.method == "mill" else "arc"

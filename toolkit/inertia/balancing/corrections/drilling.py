@@ -142,7 +142,7 @@ class Drill(Tool):
         least, half = self.plane.min_wall, 0.5 * self.diameter
         rays = [Ray(0.0, 0.0, self.tip + least, under=self.tip)]
         for distance, ahead, under in ((_WITHIN * half, least, 0.0), (half + least, 0.0, None)):
-            lag = _SLOPE * distance + (distance**2 / self.plane.radius if self.towards_shaft else 0.0)
+            lag = _SLOPE * distance + (distance**2 / self.radius if self.towards_shaft else 0.0)
             for angle in (2 * np.pi * np.arange(_AROUND) / _AROUND).tolist():
                 along, aside = distance * math.cos(angle), distance * math.sin(angle)
                 rays.append(Ray(along, aside, ahead, lag, under))
@@ -167,37 +167,37 @@ class RadialDrill(Drill):
     @property
     def greatest(self) -> float:
         """The largest depth, m."""
-        return self._deepest(_DEEPEST * self.plane.radius)
+        return self._deepest(_DEEPEST * self.radius)
 
     def half_angle_at(self, setting: float) -> float:
         """Half the angle that the hole takes at the surface."""
-        return math.asin(0.5 * self.diameter / self.plane.radius)
+        return math.asin(0.5 * self.diameter / self.radius)
 
     def apart_at(self, setting: float) -> float:
         """The angle at which two holes of this depth keep their web at the shoulder."""
-        bottom = self.plane.radius - setting
+        bottom = self.radius - setting
         need = 0.5 * (self.diameter + self.plane.web)
         return 2 * math.asin(need / bottom) if need < bottom else math.pi
 
     def axes(self, angles: Float) -> tuple[Float, Float]:
         """Return the axes, which run towards the shaft."""
         outward = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
-        return self.plane.radius * outward + [0.0, 0.0, self.plane.z], -outward
+        return self.radius * outward + [0.0, 0.0, self.plane.z], -outward
 
     def depth_apart(self, need: float, away: Float) -> Float:
         """Two axes are 2 s sin(ψ/2) apart at the distance s from the shaft."""
         with np.errstate(divide="ignore"):
-            return self.plane.radius - 0.5 * need / np.sin(0.5 * np.abs(away))
+            return self.radius - 0.5 * need / np.sin(0.5 * np.abs(away))
 
     def unbalance(self, setting: float) -> float:
         """Return the unbalance taken, from a round face, kg m."""
         plane = self.plane
-        return radial_unbalance(self.density, plane.radius, self.diameter, setting, plane.point_angle)
+        return radial_unbalance(self.density, self.radius, self.diameter, setting, plane.point_angle)
 
     def setting(self, unbalance: float) -> float:
         """Return the depth, m."""
         plane = self.plane
-        return radial_depth(self.density, plane.radius, self.diameter, unbalance, plane.point_angle)
+        return radial_depth(self.density, self.radius, self.diameter, unbalance, plane.point_angle)
 
     def operation(self, name: str, angle: float, setting: float) -> Operation:
         """Return the hole."""
@@ -209,8 +209,8 @@ class RadialDrill(Drill):
             method="remove",
             kind="drill_radial",
             angle=angle_of(cmath.rect(1.0, angle)),
-            radius=plane.radius,
-            mass=self.density * radial_volume(plane.radius, self.diameter, setting, plane.point_angle),
+            radius=self.radius,
+            mass=self.density * radial_volume(self.radius, self.diameter, setting, plane.point_angle),
             unbalance=-cmath.rect(self.unbalance(setting), angle),
             unbalance_z=plane.z,
             tool_diameter=self.diameter,
@@ -221,11 +221,11 @@ class RadialDrill(Drill):
     @property
     def clearance(self) -> float:
         """Half of the radius."""
-        return 0.5 * self.plane.radius
+        return 0.5 * self.radius
 
     def solid(self, angle: float, setting: float) -> Surface:
         """Return the drill."""
-        outward, base, radius = self._outward(angle), np.array([0, 0, self.plane.z]), self.plane.radius
+        outward, base, radius = self._outward(angle), np.array([0, 0, self.plane.z]), self.radius
         shoulder, back = base + (radius - setting) * outward, base + (radius + self.clearance) * outward
         return drill(shoulder, back, self.diameter, self.tip)
 
@@ -244,8 +244,8 @@ class AxialDrill(Drill):
 
     @property
     def greatest(self) -> float:
-        """The largest depth, m."""
-        return self._deepest(math.inf)
+        """The largest depth, m; of a hole through the thickness, where that is known."""
+        return self.limit if self.plane.through and self.limit is not None else self._deepest(math.inf)
 
     @property
     def step(self) -> float:
@@ -254,24 +254,22 @@ class AxialDrill(Drill):
 
     def half_angle_at(self, setting: float) -> float:
         """Half the angle that the hole takes."""
-        return math.asin(0.5 * self.diameter / self.plane.radius)
+        return math.asin(0.5 * self.diameter / self.radius)
 
     def apart_at(self, setting: float) -> float:
         """The angle at which two holes keep their web."""
         need = 0.5 * (self.diameter + self.plane.web)
-        return 2 * math.asin(need / self.plane.radius) if need < self.plane.radius else math.pi
+        return 2 * math.asin(need / self.radius) if need < self.radius else math.pi
 
     def axes(self, angles: Float) -> tuple[Float, Float]:
         """Return the axes, which run along the shaft."""
-        radius = self.plane.radius
-        starts = np.column_stack(
-            [radius * np.cos(angles), radius * np.sin(angles), np.full(len(angles), self.plane.entry)]
-        )
+        radius = self.radius
+        starts = np.column_stack([radius * np.cos(angles), radius * np.sin(angles), np.full(len(angles), self.entry)])
         return starts, np.tile(self._ahead, (len(angles), 1))
 
     def depth_apart(self, need: float, away: Float) -> Float:
         """Their axes run beside each other."""
-        return np.where(2 * self.plane.radius * np.sin(0.5 * np.abs(away)) >= need * (1 - 1e-12), math.inf, -1.0)
+        return np.where(2 * self.radius * np.sin(0.5 * np.abs(away)) >= need * (1 - 1e-12), math.inf, -1.0)
 
     @property
     def _point(self) -> float:
@@ -284,23 +282,28 @@ class AxialDrill(Drill):
         return False
 
     @property
+    def entry(self) -> float:
+        """Where along the shaft it begins, m."""
+        return self.plane.entry + self.start * float(self._ahead[2])
+
+    @property
     def _ahead(self) -> Float:
         return np.array([0.0, 0.0, 1.0 if self.plane.face == "a" else -1.0])
 
     def unbalance(self, setting: float) -> float:
         """Return ρ A r (h + h_c/3), kg m."""
-        return self.density * self.plane.radius * axial_volume(self.diameter, setting, self._point)
+        return self.density * self.radius * axial_volume(self.diameter, setting, self._point)
 
     def setting(self, unbalance: float) -> float:
         """Return the depth, m; that of a hole through is the thickness."""
         if self.plane.through:
             return self.greatest
-        depth = unbalance / (self.density * self.plane.radius * _area(self.diameter))
+        depth = unbalance / (self.density * self.radius * _area(self.diameter))
         return depth - point_length(self.diameter, self._point) / 3
 
     def unbalance_z(self, setting: float) -> float:
         """Return where the centroid of the hole is along the shaft, m."""
-        return self.plane.entry + float(self._ahead[2]) * axial_middle(self.diameter, setting, self._point)
+        return self.entry + float(self._ahead[2]) * axial_middle(self.diameter, setting, self._point)
 
     def operation(self, name: str, angle: float, setting: float) -> Operation:
         """Return the hole."""
@@ -308,11 +311,11 @@ class AxialDrill(Drill):
         return Operation(
             id=name,
             plane=plane.id,
-            z=plane.entry,
+            z=self.entry,
             method="remove",
             kind="drill_axial",
             angle=angle_of(cmath.rect(1.0, angle)),
-            radius=plane.radius,
+            radius=self.radius,
             mass=self.density * axial_volume(self.diameter, setting, self._point),
             unbalance=-cmath.rect(self.unbalance(setting), angle),
             unbalance_z=self.unbalance_z(setting),
@@ -334,5 +337,5 @@ class AxialDrill(Drill):
         return drill(shoulder, back, self.diameter, self.tip)
 
     def _start(self, angle: float) -> Float:
-        radius = self.plane.radius
-        return np.array([radius * math.cos(angle), radius * math.sin(angle), self.plane.entry])
+        radius = self.radius
+        return np.array([radius * math.cos(angle), radius * math.sin(angle), self.entry])

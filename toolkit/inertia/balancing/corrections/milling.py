@@ -161,7 +161,7 @@ class Cutter(Tool):
     @property
     def clearance(self) -> float:
         """Half of the radius."""
-        return 0.5 * self.plane.radius
+        return 0.5 * self.radius
 
     @abstractmethod
     def within(self, half: Float) -> Float:
@@ -175,12 +175,12 @@ class FlatCutter(Cutter):
     @property
     def greatest(self) -> float:
         """The largest depth, m."""
-        deepest = _DEEPEST * self.plane.radius if self.plane.max_depth is None else self.plane.max_depth
+        deepest = _DEEPEST * self.radius if self.plane.max_depth is None else self.plane.max_depth
         return max(deepest if self.limit is None else min(deepest, self.limit), 0.0)
 
     def half_angle_at(self, setting: float) -> float:
         """Half the angle that a flat of this depth takes."""
-        return math.acos(1 - setting / self.plane.radius)
+        return math.acos(1 - setting / self.radius)
 
     def apart_at(self, setting: float) -> float:
         """The angle at which two flats of this depth meet."""
@@ -188,11 +188,11 @@ class FlatCutter(Cutter):
 
     def unbalance(self, setting: float) -> float:
         """Return the unbalance taken, kg m."""
-        return flat_unbalance(self.density, self.plane.radius, self.width, setting)
+        return flat_unbalance(self.density, self.radius, self.width, setting)
 
     def setting(self, unbalance: float) -> float:
         """Return the depth, m."""
-        return flat_depth(self.density, self.plane.radius, self.width, unbalance)
+        return flat_depth(self.density, self.radius, self.width, unbalance)
 
     def operation(self, name: str, angle: float, setting: float) -> Operation:
         """Return the flat."""
@@ -204,8 +204,8 @@ class FlatCutter(Cutter):
             method="remove",
             kind="mill_flat",
             angle=angle_of(cmath.rect(1.0, angle)),
-            radius=plane.radius,
-            mass=self.density * flat_volume(plane.radius, self.width, setting),
+            radius=self.radius,
+            mass=self.density * flat_volume(self.radius, self.width, setting),
             unbalance=-cmath.rect(self.unbalance(setting), angle),
             unbalance_z=plane.z,
             depth=setting,
@@ -214,12 +214,12 @@ class FlatCutter(Cutter):
 
     def within(self, half: Float) -> Float:
         """Return the depth of a flat over twice a half-angle."""
-        deep = self.plane.radius * (1.0 - np.cos(np.clip(half, 0.0, 0.5 * math.pi)) + _SAME)
+        deep = self.radius * (1.0 - np.cos(np.clip(half, 0.0, 0.5 * math.pi)) + _SAME)
         return np.where(half > 0, deep, -math.inf)
 
     def solid(self, angle: float, setting: float) -> Surface:
         """Return the block above the flat."""
-        radius = self.plane.radius
+        radius = self.radius
         outward, aside, along = self._axes(angle)
         corner = (radius - setting) * outward - radius * aside + (self.plane.z - 0.5 * self.width) * along
         return block(corner, [(self.clearance + setting) * outward, 2 * radius * aside, self.width * along])
@@ -259,7 +259,7 @@ class ArcCutter(Cutter):
 
     @property
     def _of(self) -> ArcIntegrals:
-        return arc_integrals(self.plane.radius, self.depth, self.plane.cutter)
+        return arc_integrals(self.radius, self.depth, self.plane.cutter)
 
     @property
     def beyond(self) -> float:
@@ -267,7 +267,7 @@ class ArcCutter(Cutter):
         plane = self.plane
         if plane.cutter is None:
             return 0.0
-        return float(_beyond(np.array(plane.radius), plane.radius, self.depth, plane.cutter))
+        return float(_beyond(np.array(self.radius), self.radius, self.depth, plane.cutter))
 
     def half_angle_at(self, setting: float) -> float:
         """Half the angle that an arc takes of the rim."""
@@ -284,7 +284,7 @@ class ArcCutter(Cutter):
     def unbalance(self, setting: float) -> float:
         """Return the unbalance taken, kg m."""
         plane = self.plane
-        return arc_unbalance(self.density, plane.radius, self.width, self.depth, setting, plane.cutter)
+        return arc_unbalance(self.density, self.radius, self.width, self.depth, setting, plane.cutter)
 
     def setting(self, unbalance: float) -> float:
         """Return the arc, rad; not a number where none takes so much, negative where its ends alone take more."""
@@ -301,8 +301,8 @@ class ArcCutter(Cutter):
             method="remove",
             kind="mill_arc",
             angle=angle_of(cmath.rect(1.0, angle)),
-            radius=plane.radius,
-            mass=self.density * arc_volume(plane.radius, self.width, self.depth, setting, plane.cutter),
+            radius=self.radius,
+            mass=self.density * arc_volume(self.radius, self.width, self.depth, setting, plane.cutter),
             unbalance=-cmath.rect(self.unbalance(setting), angle),
             unbalance_z=plane.z,
             tool_diameter=plane.cutter,
@@ -315,7 +315,7 @@ class ArcCutter(Cutter):
 
     def solid(self, angle: float, setting: float) -> Surface:
         """Return the ring segment that is milled away, with what the cutter takes beyond its ends."""
-        plane, low = self.plane, self.plane.radius - self.depth
+        plane, low = self.plane, self.radius - self.depth
         count = max(2, math.ceil(setting / _STATION))
         step = setting / count
         angles = angle + step * (np.arange(count + 1) - 0.5 * count)
@@ -323,12 +323,12 @@ class ArcCutter(Cutter):
         inner = np.full(count + 1, low * math.sqrt(step / math.sin(step) if step else 1.0), dtype=np.float64)
         if plane.cutter is not None:
             s = low + self.depth * (np.arange(1, _STATIONS + 1) / _STATIONS) ** 2
-            beyond = _beyond(s, plane.radius, self.depth, plane.cutter)
+            beyond = _beyond(s, self.radius, self.depth, plane.cutter)
             middle = angles if setting else angles[:1]
             inner = np.concatenate([s[::-1], inner[: len(middle)], s])
             angles = np.concatenate([middle[0] - beyond[::-1], middle, middle[-1] + beyond])
         return ring_segment(
-            np.asarray(angles, float), inner, plane.radius + self.clearance, plane.z - self.along, plane.z + self.along
+            np.asarray(angles, float), inner, self.radius + self.clearance, plane.z - self.along, plane.z + self.along
         )
 
     def rays(self) -> tuple[Ray, ...]:

@@ -101,10 +101,10 @@ class Places:
     def beside_one(self, k: int, other: Spot) -> Float:
         """Return the greatest setting at each angle beside one other place."""
         if (k, other) not in self._rooms:
-            steps, (there, a, s) = self.steps[k], other
+            there, a, s = other
             beside = self.steps[there]
-            angle, setting = float(beside.angles[a]), float(beside.settings[s])
-            self._rooms[k, other] = room_beside(steps.tool, steps.angles, beside.tool, angle, setting)
+            tool, angle, setting = beside.on_metal(a), float(beside.angles[a]), float(beside.settings[s])
+            self._rooms[k, other] = room_beside(self.steps[k], tool, angle, setting)
         return self._rooms[k, other]
 
     def _taken(self, k: int, others: Sequence[Spot]) -> Bool:

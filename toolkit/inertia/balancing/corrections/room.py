@@ -19,69 +19,99 @@ from inertia.balancing.corrections.milling import ArcCutter
 from inertia.balancing.corrections.tool import Ray, Tool
 from inertia.balancing.corrections.workpiece import Body, run
 from inertia.errors import GeometryError
+from inertia.records import dataclass
 
 _TOUCHING = 1e-6  # m: bodies with a gap no wider than this are one wall
-_PROUD = 0.01  # of the radius: how far the surface may be from where the tool starts
+PROUD = 0.01  # of the radius: how far the surface may be from where the file says; of a thickness as well
+_ROUNDED = 1e-6  # of the radius: what float32 leaves of a place
 _TINY = 1e-12
 _OFTEN = 0.1
 _AROUND = 720  # angles at which the rim is looked at for an arc
 _BESIDE = 1.7e-8  # m or rad: rays run beside the edges of round parts, which stand at round angles
 
 
-def rooms(bodies: Sequence[Body], tools: Sequence[Tool], angles: Float) -> tuple[list[Float], Float]:
-    """Return the greatest setting of each tool at angles (m,) rad, −∞ where it cannot start, and the density there.
+@dataclass(frozen=True, eq=False)
+class Metal:
+    """What is met along the axis of a plane's tools at angles (m,); nan where nothing is.
+
+    Attributes
+    ----------
+    enter, leave : m, under the plane's own surface, where metal begins and ends
+    density : kg/m³
+    sag : m; facets that lie no farther than this from the plane's surface stand for it
+    """
+
+    enter: Float
+    leave: Float
+    density: Float
+    sag: float
+
+    @property
+    def starts(self) -> Float:
+        """Where depths are counted from, m."""
+        return np.where(np.abs(self.enter) > self.sag, self.enter, 0.0)
+
+    @property
+    def thickness(self) -> Float:
+        """How much there is, m."""
+        return self.leave - self.enter
+
+
+def metal(bodies: Sequence[Body], tool: Tool, angles: Float, sag: float) -> Metal:
+    """Return what a tool of a plane meets along its axis at angles (m,) rad.
+
+    Parameters
+    ----------
+    sag : m, by which the facets of a round surface miss it; faces that holes along the shaft enter are true
+    """
+    least = max(sag if tool.towards_shaft else 0.0, _ROUNDED * tool.plane.radius)
+    return Metal(*_material(bodies, tool, tool.rays()[0], angles), least)
+
+
+def rooms(bodies: Sequence[Body], tools: Sequence[Tool], angles: Float, sag: float) -> tuple[list[Float], Metal]:
+    """Return the greatest setting of each tool at angles (m,) rad, −∞ where it cannot start, and the metal there.
 
     Parameters
     ----------
     bodies : in shaft axes
     tools : of one plane, those that cut
     angles : ascending
+    sag : m, as for `metal`
     """
+    found = metal(bodies, tools[0], angles, sag)
     if not isinstance(tools[0], ArcCutter):
-        each = [_deepest(bodies, tool, angles) for tool in tools]
-        return [deep for deep, _ in each], each[0][1]
+        return [_deepest(bodies, tool, angles, found) - found.starts for tool in tools], found
     around = FULL_TURN * np.arange(_AROUND) / _AROUND
-    depth, density = _deepest(bodies, tools[0], around)
-    nearest = np.round(angles / FULL_TURN * _AROUND).astype(int) % _AROUND
+    bottom = _deepest(bodies, tools[0], around, metal(bodies, tools[0], around, sag))
+    away = np.abs((angles[:, None] - around + math.pi) % FULL_TURN - math.pi)
     room = []
     for tool in tools:
         assert isinstance(tool, ArcCutter)
-        bad = around[depth < tool.depth - _TINY]
-        room.append(
-            tool.within(_from_nearest(bad, angles) - FULL_TURN / _AROUND)
-            if len(bad)
-            else np.full(len(angles), math.inf)
-        )
-    return room, density[nearest]
+        # An arc stays as far from the shaft as it is in its middle, where its depth is counted from the metal.
+        bad = ~(bottom >= (tool.depth + found.starts)[:, None] - _TINY)
+        room.append(tool.within(np.where(bad, away, math.inf).min(axis=1) - FULL_TURN / _AROUND))
+    return room, found
 
 
-def _from_nearest(places: Float, angles: Float) -> Float:
-    """Return how far angles are from the nearest of ascending places (k,), rad."""
-    above = np.searchsorted(places, angles % FULL_TURN)
-    apart = [np.abs((angles - places[k % len(places)] + math.pi) % FULL_TURN - math.pi) for k in (above - 1, above)]
-    return np.minimum(*apart)
-
-
-def _deepest(bodies: Sequence[Body], tool: Tool, angles: Float) -> tuple[Float, Float]:
-    """Return how deep a tool may go at angles (m,) rad, −∞ where it cannot start, and the density there."""
-    plane = tool.plane
-    room = np.full(len(angles), math.inf)
-    starts, density = np.zeros(len(angles)), np.zeros(len(angles))
-    for number, ray in enumerate(tool.rays()):
-        enter, leave, into = _material(bodies, tool, ray, angles)
-        if number == 0:
-            starts, density = enter, into
-            room[~(np.abs(enter) <= max(_PROUD * plane.radius, _TOUCHING))] = -math.inf
+def _deepest(bodies: Sequence[Body], tool: Tool, angles: Float, found: Metal) -> Float:
+    """Return how far under its plane's surface a tool may go at angles (m,) rad, −∞ where it cannot start."""
+    plane, near = tool.plane, max(PROUD * tool.plane.radius, _TOUCHING)
+    room = np.where(np.abs(found.enter) <= near, math.inf, -math.inf)
+    if plane.through and plane.max_depth is not None:
+        room[found.thickness > plane.max_depth * (1 + PROUD)] = -math.inf
+    for ray in tool.rays():
+        enter, leave, _ = _material(bodies, tool, ray, angles)
+        later = enter - found.enter
         meets = np.isfinite(enter)
         deep = math.inf if plane.through else leave - ray.ahead
         limit = np.where(meets, deep, -math.inf if ray.lag is not None else math.inf)
         with np.errstate(invalid="ignore"):
             if ray.lag is not None:
-                limit[~(np.abs(enter - starts) <= ray.lag + _TOUCHING)] = -math.inf
+                limit[~(np.abs(later) <= ray.lag + _TOUCHING)] = -math.inf
             else:  # beside the rim there may be air, but no shoulder
-                limit[enter - starts < -max(_PROUD * plane.radius, _TOUCHING)] = -math.inf
+                limit[later < -near] = -math.inf
         room = np.minimum(room, limit)
-    return np.where(room > 0, room, -math.inf), density
+    return np.where(room > found.starts, room, -math.inf)
 
 
 def _material(bodies: Sequence[Body], tool: Tool, ray: Ray, angles: Float) -> tuple[Float, Float, Float]:
@@ -107,7 +137,7 @@ def _material(bodies: Sequence[Body], tool: Tool, ray: Ray, angles: Float) -> tu
         ended = ends[k] < len(closing) and number[closing[ends[k]]] == k
         if entering[first[k]] and (ended or tool.towards_shaft):
             enter[k], into[k] = depth[first[k]], density[first[k]]
-            leave[k] = depth[closing[ends[k]]] if ended else tool.plane.radius
+            leave[k] = depth[closing[ends[k]]] if ended else tool.radius
     return enter, leave, into
 
 
@@ -117,13 +147,13 @@ def _hits(corners: Float, tool: Tool, ray: Ray, angles: Float) -> tuple[Int, Flo
     if tool.towards_shaft:
         first, last = _section(corners, plane.z + ray.along + _BESIDE)
         ray_number, s, entering = _across(first, last, ray.aside + _BESIDE, angles)
-        return ray_number, plane.radius - s, entering
+        return ray_number, tool.radius - s, entering
     radius = math.hypot(plane.radius + ray.along + _BESIDE, ray.aside)
     turned = math.atan2(ray.aside, plane.radius + ray.along) + _BESIDE
     ray_number, z, upward = _upward(corners, radius, angles + turned)
     if plane.face == "a":
-        return ray_number, z - plane.entry, ~upward
-    return ray_number, plane.entry - z, upward
+        return ray_number, z - tool.entry, ~upward
+    return ray_number, tool.entry - z, upward
 
 
 def faces(bodies: Sequence[Body], tool: Tool, angles: Float) -> Float:
@@ -133,8 +163,8 @@ def faces(bodies: Sequence[Body], tool: Tool, angles: Float) -> Float:
     """
     sign = 1.0 if tool.plane.face == "a" else -1.0
     hits = [_hits(body.corners, tool, tool.rays()[0], angles) for body in bodies]
-    z = np.sort(tool.plane.entry + sign * np.concatenate([depth[entering] for _, depth, entering in hits]))
-    groups = np.split(z, np.flatnonzero(np.diff(z) > _PROUD * tool.plane.radius) + 1) if len(z) else []
+    z = np.sort(tool.entry + sign * np.concatenate([depth[entering] for _, depth, entering in hits]))
+    groups = np.split(z, np.flatnonzero(np.diff(z) > PROUD * tool.plane.radius) + 1) if len(z) else []
     return np.array([np.median(k) for k in groups if len(k) >= _OFTEN * len(angles)])
 
 
@@ -246,9 +276,9 @@ def _there(places: Float, plane: CorrectionPlane) -> str:
 def no_room(bodies: Sequence[Body], tool: Tool, angle: float) -> GeometryError:
     """Return why a tool can start at no angle, said of one of them (rad)."""
     plane = tool.plane
-    where = f"plane {plane.id!r} at z = {1e3 * plane.z:.6g} mm, {math.degrees(angle) % 360:.4g} degrees"
-    enter, _, _ = (float(k[0]) for k in _material(bodies, tool, tool.rays()[0], np.array([angle])))
-    reach = _PROUD * plane.radius
+    where = f"plane {plane.id!r} at z = {1e3 * plane.z:.6g} mm, {round(math.degrees(angle), 2) % 360:g} degrees"
+    enter, leave, _ = (float(k[0]) for k in _material(bodies, tool, tool.rays()[0], np.array([angle])))
+    reach = PROUD * plane.radius
     there = "" if tool.towards_shaft else _there(faces(bodies, tool, FULL_TURN * np.arange(_AROUND) / _AROUND), plane)
     if not math.isfinite(enter) or enter > reach:
         return GeometryError(
@@ -259,6 +289,11 @@ def no_room(bodies: Sequence[Body], tool: Tool, angle: float) -> GeometryError:
         return GeometryError(
             f"{where}: the part begins {-1e3 * enter:.4g} mm before the surface that depths are measured from: give "
             f"the {'radius' if tool.towards_shaft else 'face'} where the tool enters{there}"
+        )
+    if plane.through and plane.max_depth is not None and leave - enter > plane.max_depth * (1 + PROUD):
+        return GeometryError(
+            f"{where}: a hole through goes {1e3 * (leave - enter):.6g} mm deep, as thick as the part is there, past "
+            f"the max_depth of {1e3 * plane.max_depth:.6g} mm: correct max_depth, or leave it out"
         )
     return GeometryError(
         f"plane {plane.id!r} at z = {1e3 * plane.z:.6g} mm: at every angle its tools break out of the part, or leave "

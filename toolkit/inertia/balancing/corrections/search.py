@@ -78,7 +78,8 @@ def best_plan(places: Places, aim: float = 1.0) -> Plan:
     def attempt(number: int, open_below: float, below: float) -> Plan:
         result = best
         for counts, least, vectors in sharing.ways(number, open_below):
-            if counts not in solved and least <= below * (1 + _TIE) and not places.late():
+            # However little time there is, one plan is made.
+            if counts not in solved and least <= below * (1 + _TIE) and not (result.spots and places.late()):
                 solved.add(counts)
                 spots, worst = _with_counts(places, sharing, listing, counts, vectors, least, below)
                 if math.isfinite(worst) and rank(aim, len(spots), worst) < rank(aim, len(result.spots), result.worst):

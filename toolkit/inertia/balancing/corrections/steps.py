@@ -7,6 +7,7 @@ them go. So how close they may be depends on how deep they *are*, not on how dee
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -37,6 +38,7 @@ class Steps:
     settings : (s,) ascending
     sizes : (s,) kg m, the unbalance that each takes or adds
     most : (m,) the greatest setting at each angle; −∞ where it may not be used
+    starts : (m,) m, how far under the plane's surface the metal begins, which depths are counted from
     """
 
     plane: int
@@ -45,27 +47,36 @@ class Steps:
     settings: Float
     sizes: Float
     most: Float
+    starts: Float
 
     @property
     def count(self) -> int:
         """How many angles there are times how many settings."""
         return len(self.angles) * len(self.settings)
 
+    def on_metal(self, number: int) -> Tool:
+        """Return the tool as it starts at angle `number`."""
+        start = float(self.starts[number])
+        return replace(self.tool, start=start) if start else self.tool
 
-def steps_of(number: int, tool: Tool, need: float, room: Float | float = math.inf) -> Steps:
+
+def steps_of(
+    number: int, tool: Tool, need: float, room: Float | float = math.inf, starts: Float | float = 0.0
+) -> Steps:
     """Return the steps of a tool.
 
     Parameters
     ----------
     number : of its plane
     need : kg m, what is to be made up at most; a tool without limits is not set to more than a few times that
-    room : greatest setting that the part leaves, at all angles or at each of `angles_of` the plane
+    room, starts : greatest setting that the part leaves, and m under the plane's surface where it begins, at all angles
+        or at each of `angles_of` the plane
     """
     angles = angles_of(tool.plane)
     settings = _settings(tool, need, angles)
     greatest = np.minimum(_clear_of_sectors(tool, angles, settings), room)
     sizes = np.array([tool.unbalance(setting) for setting in settings.tolist()])
-    return Steps(number, tool, angles, settings, sizes, greatest)
+    return Steps(number, tool, angles, settings, sizes, greatest, np.broadcast_to(starts, angles.shape))
 
 
 def angles_of(plane: CorrectionPlane) -> Float:
@@ -106,16 +117,18 @@ def _clear_of_sectors(tool: Tool, angles: Float, settings: Float) -> Float:
     return greatest
 
 
-def room_beside(tool: Tool, angles: Float, other: Tool, angle: float, setting: float) -> Float:
-    """Return the greatest setting of a tool at angles (m,) rad beside another that is at work; −∞ where there is none.
+def room_beside(steps: Steps, other: Tool, angle: float, setting: float) -> Float:
+    """Return the greatest setting (m,) at the angles of steps beside a tool that is at work; −∞ where there is none.
 
     Parameters
     ----------
     other, angle, setting : what is there
     """
+    tool, angles = steps.tool, steps.angles
     room = np.full(len(angles), math.inf)
     if isinstance(tool, Drill) and isinstance(other, Drill):
-        return _between_drills(tool, angles, other, angle, setting)
+        # Seen from the plane's surface a hole goes deeper by as much as the metal begins under it.
+        return _between_drills(tool, angles, float(steps.starts.max()), other, angle, setting) - steps.starts
     if tool.plane.id == other.plane.id:
         away = np.abs((angles - angle + math.pi) % FULL_TURN - math.pi)
         if isinstance(tool, Cutter):
@@ -136,11 +149,12 @@ def _meet_along(tool: Tool, other: Tool) -> bool:
     return arcs and len(widths) == 2 and abs(tool.plane.z - other.plane.z) < sum(widths)
 
 
-def _between_drills(tool: Drill, angles: Float, other: Drill, angle: float, setting: float) -> Float:
+def _between_drills(tool: Drill, angles: Float, past: float, other: Drill, angle: float, setting: float) -> Float:
     need = 0.5 * (tool.diameter + other.diameter) + max(tool.plane.web, other.plane.web)
     starts, along = tool.axes(angles)
     start, direction = (k[0] for k in other.axes(np.array([angle])))
-    deepest = tool.greatest
+    deepest = tool.greatest + past
+    setting, other = setting + other.start, replace(other, start=0.0)
     # Both holes of one plane run towards the shaft or along it: nearest where the shallower one ends.
     if tool.plane.id == other.plane.id:
         away = np.abs((angles - angle + math.pi) % FULL_TURN - math.pi)

@@ -45,11 +45,23 @@ class Tool(ABC):
     plane : where it works
     density : kg/m³, of what it cuts
     limit : the largest setting, if there is one besides the plane's own
+    start : m, how far under the plane's own surface the metal begins where it works, which depths are counted from
     """
 
     plane: CorrectionPlane
     density: float
     limit: float | None = None
+    start: float = 0.0
+
+    @property
+    def radius(self) -> float:
+        """Of the surface that it begins at, towards the shaft; else of its axis, or of the mass, m."""
+        return self.plane.radius - (self.start if self.towards_shaft else 0.0)
+
+    @property
+    def entry(self) -> float:
+        """Where along the shaft it begins, m."""
+        return self.plane.entry
 
     @property
     def sign(self) -> int:

@@ -2,11 +2,12 @@
 
 The readings of every run are V = A (u + w), with u the rotor's unbalance at the start and w what is mounted. Runs with
 different weights give A and u together by least squares; stored coefficients, or a balancing machine, whose A is one,
-give u from the last run. Without phase see `inertia.balancing.measured.amplitudes`; where the rotor was turned on its
-tooling, `inertia.balancing.measured.index_balancing` tells the two apart.
+give u from the last run. Without phase see `inertia.balancing.measured.amplitudes`; where the rotor was turned by θ on
+its tooling, V = A (T + e^{iθ} (u + w)), and `inertia.balancing.measured.index_balancing` tells the two apart.
 
-Half-widths a of readings and weights count as standard uncertainties a/√3 and are carried through the whole
-calculation numerically, one after the other (JCGM 100:2008, 4.3.7 and note 2 to 5.1.3).
+Half-widths a of readings, their runout and weights count as standard uncertainties a/√3 and are carried through the
+whole calculation numerically, one after the other (JCGM 100:2008, 4.3.7 and note 2 to 5.1.3). What is stated of
+readings is of those that were read, with their runout.
 
 That is of first order, and the unbalance is a quotient: with errors δA of the coefficients, an estimate is off by
 d = (1 + N)⁻¹ e, with e the error of first order and N = A⁺ δA. The confidence region of a quotient is wider by that,
@@ -61,6 +62,9 @@ class Estimate:
         one plane (column) in another (row), relative and in the direction in which it is largest; infinite where the
         readings may as well have no answer
     present : (channels,) what the machine would show now
+    present_uncertainty : (channels,) standard, in the direction in which it is largest
+    residuals : (runs, channels) what neither weights nor the rest that all runs have in common explain of the readings
+    residual_uncertainty : (runs, channels) standard, in the direction in which it is largest
     tooling : (n,) of indexed runs, what belongs to the tooling; None without them
     fits : without phase, the unbalances at the start that explain the amplitudes, the best first
     """
@@ -73,6 +77,9 @@ class Estimate:
     covariance: Float
     coefficient_noise: Float
     present: Complex
+    present_uncertainty: Float
+    residuals: Complex
+    residual_uncertainty: Float
     tooling: Complex | None
     fits: tuple[AmplitudeFit, ...]
 
@@ -148,33 +155,61 @@ def estimate(job: Job, stored: tuple[Complex, Float] | None = None) -> Estimate:
         if job.by_phase:
             raise
         # Within their uncertainties, the amplitudes may have no answer at all.
-        return replace(nominal, coefficient_noise=np.full_like(nominal.coefficient_noise, math.inf))
-    moves = np.array(parts).reshape(len(parts), *_parts(nominal).shape)
-    sides = np.stack([moves[:, 0].real, moves[:, 0].imag], axis=-1)
-    answer = replace(nominal, covariance=np.einsum("ipa,ipb->pab", sides, sides))
+        return replace(
+            nominal,
+            coefficient_noise=np.full_like(nominal.coefficient_noise, math.inf),
+            present_uncertainty=np.full_like(nominal.present_uncertainty, math.inf),
+            residual_uncertainty=np.full_like(nominal.residual_uncertainty, math.inf),
+        )
+    planes, (runs, channels) = len(job.planes), readings.shape
+    moves = np.array(parts).reshape(len(parts), len(_parts(nominal)))
+    unbalance, present, residuals, effect = np.split(
+        moves, np.cumsum([planes, channels, runs * channels]).tolist(), axis=1
+    )
+    sides = np.stack([unbalance.real, unbalance.imag], axis=-1)
+    answer = replace(
+        nominal,
+        covariance=np.einsum("ipa,ipb->pab", sides, sides),
+        present_uncertainty=_largest(present),
+        residual_uncertainty=_largest(residuals).reshape(runs, channels),
+    )
     if nominal.coefficients is None:
         # u is the quotient of a² u and a², which the squares of the amplitudes give: of a, the sensitivity, twice.
-        noise = 2.0 * moves[:, 1:] / nominal.fits[0].sensitivity
+        noise = 2.0 * effect[:, None] / nominal.fits[0].sensitivity
     else:
-        answer = replace(answer, coefficient_uncertainty=np.sqrt((np.abs(moves[:, 1:]) ** 2).sum(axis=0) / 2.0))
+        changes = effect.reshape(len(parts), channels, planes)
+        answer = replace(answer, coefficient_uncertainty=np.sqrt((np.abs(changes) ** 2).sum(axis=0) / 2.0))
         root = np.sqrt(job.importance)[:, None]
-        noise = np.linalg.pinv(root * nominal.coefficients) @ (root * moves[:, 1:])
-    # Of complex numbers with zero mean, the variance in the direction in which it is largest.
-    squares = 0.5 * ((np.abs(noise) ** 2).sum(axis=0) + np.abs((noise**2).sum(axis=0)))
-    return replace(answer, coefficient_noise=np.sqrt(squares))
+        noise = np.linalg.pinv(root * nominal.coefficients) @ (root * changes)
+    return replace(answer, coefficient_noise=_largest(noise))
+
+
+def _largest(moves: Complex) -> Float:
+    """Return the standard uncertainty of complex numbers by moves (moves, ...), where its direction is the largest."""
+    spread: Float = np.sqrt(0.5 * ((np.abs(moves) ** 2).sum(axis=0) + np.abs((moves**2).sum(axis=0))))
+    return spread
 
 
 def _parts(answer: Estimate) -> Complex:
-    """Return what uncertainty is carried to, (1 + channels, n): the unbalance, and coefficients or sensitivity."""
-    if answer.coefficients is None:
-        return np.array([answer.unbalance, [answer.fits[0].sensitivity]])
-    return np.vstack([answer.unbalance, answer.coefficients])
+    """Return what uncertainty is carried to: unbalance, present readings, residuals, coefficients or sensitivity."""
+    last = np.array([answer.fits[0].sensitivity + 0j]) if answer.coefficients is None else answer.coefficients.ravel()
+    return np.concatenate([answer.unbalance, answer.present, answer.residuals.ravel(), last])
+
+
+def reading_moves(job: Job, as_read: Complex) -> Complex:
+    """Return the standard uncertainties (2, ..., channels) of readings (..., channels), along them and across."""
+    amplitudes, phases = job.half_widths
+    sizes: Float = np.abs(as_read)
+    toward: Complex = np.divide(as_read, sizes, out=np.ones_like(as_read), where=sizes > 0)
+    across = np.hypot(phases * sizes, job.noise) if job.by_phase else 0.0 * sizes
+    moves: Complex = np.stack([np.hypot(amplitudes * sizes, job.noise) * toward, 1j * across * toward]) / _RECTANGLE
+    return moves
 
 
 def _moved(job: Job, inputs: _Inputs, errors: Float | None) -> Iterator[tuple[_Inputs, _Inputs]]:
     """Yield the inputs with each of them moved up and down by its standard uncertainty."""
 
-    def pair(name: str, index: tuple[int, ...], move: complex) -> tuple[_Inputs, _Inputs]:
+    def pair(name: str, index: tuple[int | slice | list[int], ...], move: complex) -> tuple[_Inputs, _Inputs]:
         both = []
         for sign in (1.0, -1.0):
             array = getattr(inputs, name).copy()
@@ -182,16 +217,15 @@ def _moved(job: Job, inputs: _Inputs, errors: Float | None) -> Iterator[tuple[_I
             both.append(replace(inputs, **{name: array}))
         return both[0], both[1]
 
-    amplitudes, phases = job.half_widths
-    for run, row in enumerate(inputs.readings.tolist()):
-        for k, reading in enumerate(row):
-            size = abs(reading)
-            toward = reading / size if size else 1.0 + 0j
-            along = math.hypot(amplitudes[k] * size, job.noise[k]) / _RECTANGLE
-            across = math.hypot(phases[k] * size, job.noise[k]) / _RECTANGLE if job.by_phase else 0.0
-            for move in (toward * along, 1j * toward * across):
-                if move:
-                    yield pair("readings", (run, k), move)
+    moves = reading_moves(job, inputs.readings + job.runouts)
+    for side, run, k in np.argwhere(moves).tolist():
+        yield pair("readings", (run, k), moves[side, run, k])
+    sensors = [channel.sensor for channel in job.channels]
+    for runout in (sensor.id for sensor in job.fields.sensor if sensor.runout is not None and sensor.id in sensors):
+        # It is read once, and taken off all readings of its sensor.
+        here = [k for k, sensor in enumerate(sensors) if sensor == runout]
+        for move in reading_moves(job, job.runouts)[:, here[0]].tolist():
+            yield pair("readings", (slice(None), here), move)
     stated = job.fields.uncertainty
     for k, weight in enumerate(inputs.weights.tolist()):
         for move in (weight * stated.mass, 1j * weight * math.radians(stated.angle)):
@@ -216,6 +250,9 @@ def _calculated(job: Job, inputs: _Inputs, near: Estimate | None = None) -> Esti
         covariance=np.zeros((planes, 2, 2)),
         coefficient_noise=np.zeros((planes, planes)),
         present=inputs.readings[-1],
+        present_uncertainty=np.zeros(len(inputs.readings[0])),
+        residuals=np.zeros_like(inputs.readings),
+        residual_uncertainty=np.zeros(inputs.readings.shape),
         tooling=None,
         fits=(),
     )
@@ -225,24 +262,48 @@ def _calculated(job: Job, inputs: _Inputs, near: Estimate | None = None) -> Esti
             fits = (min(fits, key=lambda fit: abs(fit.unbalance - near.fits[0].unbalance)),)
         now = fits[0].unbalance + remaining[0]
         return replace(
-            answer, unbalance=np.array([now]), present=np.array([fits[0].sensitivity * abs(now) + 0j]), fits=fits
+            answer,
+            unbalance=np.array([now]),
+            present=np.array([fits[0].sensitivity * abs(now) + 0j]),
+            residuals=inputs.readings - fits[0].sensitivity * np.abs(fits[0].unbalance + mounted),
+            fits=fits,
         )
+    positions = positions_of(job)
+    turned = _turned(mounted, positions)
     matrix = _fitted(job, inputs.readings, mounted) if inputs.stored is None else inputs.stored
     present = _present(inputs.readings, mounted, remaining, matrix)
-    answer = replace(answer, coefficients=matrix, present=present)
-    if any(run.indexed for run in job.runs):
+    residuals = _unlike(inputs.readings - turned @ matrix.T, positions)
+    answer = replace(answer, coefficients=matrix, present=present, residuals=residuals)
+    if positions.any():
         return _indexed(job, inputs, answer, matrix)
     return replace(answer, unbalance=_solved(job, matrix, present))
 
 
 def _indexed(job: Job, inputs: _Inputs, answer: Estimate, matrix: Complex) -> Estimate:
     """Tell the rotor's unbalance from that of its tooling; weights turn with the rotor."""
-    positions = np.radians([run.indexed for run in job.runs])
-    turns = np.exp(1j * positions)[:, None]
-    shown = np.array([_solved(job, matrix, row) for row in inputs.readings]) - turns * answer.mounted
+    positions = positions_of(job)
+    shown = np.array([_solved(job, matrix, row) for row in inputs.readings]) - _turned(answer.mounted, positions)
     split = index_balancing(shown, positions)
     unbalance = split.rotor + answer.remaining
     return replace(answer, unbalance=unbalance, present=matrix @ unbalance, tooling=split.tooling)
+
+
+def positions_of(job: Job) -> Float:
+    """Return by how much the rotor was turned on its tooling in each run, (runs,) rad."""
+    return np.radians([run.indexed for run in job.runs])
+
+
+def _turned(mounted: Complex, positions: Float) -> Complex:
+    """Return weights (runs, n), which turn with the rotor, in the tooling's angles."""
+    turned: Complex = mounted * np.exp(1j * positions)[:, None]
+    return turned
+
+
+def _unlike(values: Complex, positions: Float) -> Complex:
+    """Return values (runs, k) less what all runs have in common, of the tooling and of the rotor that turns on it."""
+    common = np.stack([np.ones(len(positions)), np.exp(1j * positions)], axis=1)
+    rest: Complex = values - common @ (np.linalg.pinv(common, rcond=_SAME) @ values)
+    return rest
 
 
 def mounted_weights(job: Job, weights: Complex) -> tuple[Complex, Complex]:
@@ -260,18 +321,37 @@ def mounted_weights(job: Job, weights: Complex) -> tuple[Complex, Complex]:
     return mounted, remaining
 
 
-def _fitted(job: Job, readings: Complex, mounted: Complex) -> Complex:
-    """Return the coefficients (channels, n) of runs whose first readings are not known any better than the others."""
-    rows = mounted - mounted.mean(axis=0)
+def fitted_coefficients(readings: Complex, mounted: Complex, positions: Float) -> Complex | None:
+    """Return the coefficients (channels, n) of runs by least squares, None where the runs do not tell them.
+
+    V = b + e^{iθ} (r + A w): what the tooling and the rotor show, b and r, is as unknown as A, and the first readings
+    are not known any better than the others.
+
+    Parameters
+    ----------
+    readings : (runs, channels)
+    mounted : (runs, n)
+    positions : (runs,) rad, by which the rotor was turned on its tooling
+    """
+    turned = _turned(mounted, positions)
+    rows = _unlike(turned, positions)
     sizes = np.linalg.norm(rows, axis=0)
-    if not sizes.all() or _condition(rows / sizes) > _SINGULAR:
+    if (sizes <= _SAME * np.linalg.norm(turned, axis=0)).any() or _condition(rows / sizes) > _SINGULAR:
+        return None
+    return complex_of(np.linalg.lstsq(rows, _unlike(readings, positions), rcond=None)[0].T, "coefficients")
+
+
+def _fitted(job: Job, readings: Complex, mounted: Complex) -> Complex:
+    positions = positions_of(job)
+    matrix = fitted_coefficients(readings, mounted, positions)
+    if matrix is None:
         planes = _counted(mounted.shape[1], "plane")
+        also = ", which have to tell rotor and tooling apart too," if positions.any() else ""
         raise UsageError(
-            f"{_counted(len(mounted), 'run')} cannot tell what a weight does in {planes}: mount a trial weight in "
-            f"every plane, in runs that are not multiples of each other, or name a file of coefficients{_trial(job)}"
+            f"{_counted(len(mounted), 'run')}{also} cannot tell what a weight does in {planes}: mount a trial weight "
+            f"in every plane, in runs that are not multiples of each other, or name a file of coefficients{_trial(job)}"
         )
-    change = readings - readings.mean(axis=0)
-    return complex_of(np.linalg.lstsq(rows, change, rcond=None)[0].T, "coefficients")
+    return matrix
 
 
 def _trial(job: Job) -> str:

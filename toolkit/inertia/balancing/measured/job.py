@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float
+from inertia.balancing.machine_angles import MachineAngles
 from inertia.balancing.measured.job_fields import JobFields, MeasuredPlaneFields, ReadingFields, RunFields, SensorFields
 from inertia.balancing.measured.readings import readings
 from inertia.balancing.measured.tables import readings_of
@@ -242,8 +243,10 @@ class Job(Document):
                 number = numbers[weight.plane]
                 if weight.mass_g is None:
                     size = GRAM_MILLIMETRE * (weight.gmm or 0.0)
-                else:
+                elif weight.radius is None:
                     size = 1e-3 * weight.mass_g * self.per_mass(number)
+                else:
+                    size = 1e-3 * weight.mass_g * float(length_unit(self.fields.unit).metres) * weight.radius
                 entries.append((k, number, size * np.exp(1j * np.radians(weight.angle)), weight.stays))
         return tuple(entries)
 
@@ -262,8 +265,12 @@ class Job(Document):
 
     def from_rotor(self, degrees: float) -> float:
         """Return an angle of the rotor file, degrees, as the job counts it."""
-        angle = degrees - self.fields.conventions.zero
-        return (angle if self._counts_as_the_rotor else -angle) % 360.0
+        return self.machine_angles.of(degrees)
+
+    @property
+    def machine_angles(self) -> MachineAngles:
+        """How the job counts angles beside its rotor file."""
+        return MachineAngles("ccw" if self._counts_as_the_rotor else "cw", self.fields.conventions.zero)
 
     @property
     def _counts_as_the_rotor(self) -> bool:
@@ -310,14 +317,22 @@ class Job(Document):
                     raise FieldError(
                         f"run[{k}].weights[{j}].plane", f"is {weight.plane!r}: use one of {_listed(planes)}"
                     )
-                if weight.gmm is not None and self.weighed_alone:
-                    raise FieldError(f"run[{k}].weights[{j}].gmm", "goes with a radius of every plane: give mass_g")
-                if weight.mass_g is not None and self.by_machine and self._radius(weight.plane) is None:
+                for name in ("gmm", "radius"):
+                    if getattr(weight, name) is not None and self.weighed_alone:
+                        raise FieldError(
+                            f"run[{k}].weights[{j}].{name}", "goes with a radius of every plane: give mass_g alone"
+                        )
+                unknown = weight.radius is None and self._radius(weight.plane) is None
+                if weight.mass_g is not None and self.by_machine and unknown:
                     raise FieldError(
-                        f"run[{k}].weights[{j}].mass_g", "goes with a radius of its plane: give that, or gmm"
+                        f"run[{k}].weights[{j}].mass_g", "goes with a radius, its own or its plane's: give one, or gmm"
                     )
+        if not any(run.readings for run in self.runs):
+            raise FieldError(*self._without_readings())
         for k, run in enumerate(self.runs):
             self._require_readings(f"run[{k}]", run)
+            if run.indexed and not self.by_phase:
+                raise FieldError(f"run[{k}].indexed", 'goes with phases, not with "without phase": leave it out')
         if not self.by_phase and (len(fields.plane) > 1 or len(self.channels) > 1):
             raise FieldError(
                 "method",
@@ -331,6 +346,13 @@ class Job(Document):
             raise FieldError("coefficients", f'goes with no method "{fields.method}": leave it out')
         if fields.rotor is not None:
             self._require_places()
+
+    def _without_readings(self) -> tuple[str, str]:
+        """Return the field that has no readings, and what to do."""
+        table = self.fields.readings
+        if table is None:
+            return "run", "has no readings: give each run what was read, or name a table as readings"
+        return "readings", f"names {table}, which has none: add a line for each reading of each run"
 
     def _require_machine(self) -> None:
         fields = self.fields

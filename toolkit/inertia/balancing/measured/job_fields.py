@@ -206,8 +206,9 @@ class MountedFields(Section):
     Attributes
     ----------
     plane : where
-    mass_g : grams at the plane's radius; negative where mass was taken away
+    mass_g : grams; negative where mass was taken away
     gmm : what it adds to the unbalance, g·mm, in place of a mass; negative where it was drilled away
+    radius : at which the mass counts, of what a hole takes that of its centre; the plane's own without it
     angle : degrees
     stays : whether it stays on for the runs that follow; a trial weight does not
     """
@@ -217,6 +218,7 @@ class MountedFields(Section):
     plane: Annotated[str, text]
     mass_g: Annotated[float | None, number("g")] = None
     gmm: Annotated[float | None, number("g·mm")] = None
+    radius: Annotated[float | None, number(_LENGTH, positive=True)] = None
     angle: Annotated[float, number("degrees")] = 0.0
     stays: Annotated[bool, flag] = False
 
@@ -227,6 +229,8 @@ class MountedFields(Section):
         for name in ("mass_g", "gmm"):
             if getattr(self, name) == 0:
                 raise FieldError(f"{path}.{name}", "is 0: leave the weight out")
+        if self.radius is not None and self.mass_g is None:
+            raise FieldError(f"{path}.radius", "goes with mass_g: leave it out of a weight in g·mm")
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,14 +14,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from inertia.arrays import Progress
+from inertia.arrays import Float, Progress
 from inertia.balancing.balance import Balance, balance
 from inertia.balancing.corrections.correction_plane import KitWeight
-from inertia.balancing.measured.estimate import COVERAGE, Estimate, estimate
+from inertia.balancing.measured.estimate import COVERAGE, Estimate, estimate, fitted_coefficients, positions_of
 from inertia.balancing.measured.influence import InfluenceCorrection, influence_correction
 from inertia.balancing.measured.job import Channel, Job, Plane
+from inertia.balancing.measured.job_fields import MeasuredPlaneFields
 from inertia.balancing.measured.positions import Piece, split_among
-from inertia.balancing.measured.remarks import remarks
+from inertia.balancing.measured.remarks import contradiction, remarks
 from inertia.balancing.measured.stored_coefficients import StoredCoefficients
 from inertia.balancing.shop_units import GRAM_MILLIMETRE, angular_speed, in_degrees
 from inertia.balancing.tolerance import accepted
@@ -35,6 +36,8 @@ _GRAVEST = ("fail", "undecided", "conditional", "pass")
 _AIM = (
     0.75  # of what is permissible beyond the uncertainty: what weights of a kit may leave of it, as plans of holes may
 )
+_FULL = 1e-6  # relative
+_CONTRADICTED = 5.0  # standard uncertainties: by chance, a reading is farther off 4 times in a million
 _UNSEEN = 0.5  # of the uncertainty: what weights may leave without adding more than an eighth to it
 
 
@@ -135,7 +138,8 @@ class Measurement:
         rows = [("Job", f"{self.job.name}: {verdict}"), ("Runs", str(len(self.runs)))]
         size, unit = (1e3, "g") if self.job.weighed_alone else (1 / GRAM_MILLIMETRE, "g·mm")
         for each in self.planes:
-            unbalance = f"{size * abs(each.unbalance):.4g} {unit} at {in_degrees(each.unbalance):.1f}°"
+            angle = round(in_degrees(each.unbalance), 1) % 360.0
+            unbalance = f"{size * abs(each.unbalance):.4g} {unit} at {angle:.1f}°"
             pieces = [f"{1e3 * piece.mass:.4g} g at {math.degrees(piece.angle):.1f}°" for piece in each.pieces]
             rows.append((f"Plane {each.plane.id}", f"{unbalance}; mount {', '.join(pieces) or 'nothing'}"))
         return html_of([*rows, *(("Why", says) for says in self.why), *(("Note", note) for note in self.notes)])
@@ -190,6 +194,9 @@ def _measured(job: Job, seconds: float | None, progress: Progress | None) -> Mea
         planes = tuple(replace(plane, pieces=(), left=plane.correction) for plane in planes)
     predicted = _after(job, result, planes)
     notes = remarks(job, result, correction, stored is not None)
+    for k, (plane, limit) in enumerate(zip(planes, job.fields.plane, strict=True)):
+        if _limited(plane, limit) or (correction is not None and k in correction.limited):
+            notes.append(f"plane {plane.plane.id} is at its limit of {limit.max_mass_g:g} g")
     if any(plane.pieces for plane in planes) and not _lower(job, predicted, result.present):
         planes = tuple(replace(plane, pieces=(), left=plane.correction) for plane in planes)
         predicted = result.present
@@ -277,6 +284,14 @@ def _plane(job: Job, number: int, result: Estimate, correction: complex, permiss
     )
 
 
+def _limited(plane: MeasuredPlane, fields: MeasuredPlaneFields) -> bool:
+    """Return whether no step or weight more may be mounted in a plane."""
+    if fields.max_mass_g is None or not plane.pieces:
+        return False
+    step = min((weight.mass_g for weight in fields.kit or ()), default=fields.mass_step_g)
+    return 1e3 * math.fsum(piece.mass for piece in plane.pieces) + step > (1.0 - _FULL) * fields.max_mass_g
+
+
 def _enough(expanded: float, permissible: float | None) -> float:
     """Return what weights of a kit may leave of a correction: to leave less takes more of them, and shows nowhere."""
     if not math.isfinite(expanded):
@@ -338,14 +353,29 @@ def _judged(
     if greatest is not None and not job.by_machine:
         for k, channel in enumerate(job.channels):
             reading = float(abs(result.present[k]))
-            off = math.hypot(float(job.half_widths[0][k]) * reading, float(job.noise[k]))
+            off, known = _off(job, result, k)
             outcomes.append(accepted(reading, greatest, off))
             unit, said = job.unit_of(channel), outcomes[-1].upper()
             size, spread, limit = told_apart(reading, off, greatest, fewer=2)
-            why.append(f"{channel}: {size} ± {spread} {unit} against {limit}: {said}")
+            why.append(f"{channel}{known}: {size} ± {spread} {unit} against {limit}: {said}")
     if outcomes and result.ambiguous:
         outcomes.append("undecided")
+    if outcomes and (off := contradiction(job, result)) > _CONTRADICTED:
+        outcomes.append("undecided")
+        far = f"{off:.{1 if off < 10 else 0}f} standard uncertainties"
+        why.insert(0, f"the runs contradict each other by {far}: nothing passes by them")
     return min(outcomes, key=_GRAVEST.index, default=None), tuple(why)
+
+
+def _off(job: Job, result: Estimate, channel: int) -> tuple[float, str]:
+    """Return by how much the present reading of a channel may be off, and in words what it is where it was not read.
+
+    What a run shows is off by the half-width of its amplitude; what is calculated, by twice its standard uncertainty.
+    """
+    if not job.runouts[channel] and result.tooling is None and result.present[channel] in job.vibrations[:, channel]:
+        read = float(abs(result.present[channel]))
+        return math.hypot(float(job.half_widths[0][channel]) * read, float(job.noise[channel])), ""
+    return COVERAGE * float(result.present_uncertainty[channel]), ", calculated"
 
 
 def told_apart(size: float, uncertainty: float, permissible: float, fewer: int = 0) -> tuple[str, str, str]:
@@ -366,26 +396,25 @@ def told_apart(size: float, uncertainty: float, permissible: float, fewer: int =
 
 def _log(job: Job, result: Estimate, known: bool) -> tuple[MeasuredRun, ...]:
     readings = job.vibrations if job.by_phase else job.amplitudes.astype(complex)
-    runs = []
+    runs, positions = [], positions_of(job)
     for k, run in enumerate(job.runs):
         unbalance = None
         if result.coefficients is not None:
             unbalance = -influence_correction(readings[k], result.coefficients, importance=job.importance).unbalance
-        predicted = _predicted(readings[:k], result, result.mounted[: k + 1], known) if not run.indexed else None
+        predicted = _predicted(readings[:k], result, result.mounted[: k + 1], positions[: k + 1], known)
         runs.append(MeasuredRun(run.id, run.time, run.remark, result.mounted[k], readings[k], predicted, unbalance))
     return tuple(runs)
 
 
-def _predicted(before: Complex, result: Estimate, mounted: Complex, known: bool) -> Complex | None:
-    """Return what a run should show by the runs before it: by the last of them, and coefficients that they give."""
-    if result.coefficients is None or not len(before):
+def _predicted(before: Complex, result: Estimate, mounted: Complex, positions: Float, known: bool) -> Complex | None:
+    """Return what a run should show by the runs before it: by one in its position, and coefficients that they give."""
+    alike = np.flatnonzero(positions[:-1] == positions[-1])
+    if result.coefficients is None or not len(alike):
         return None
-    matrix = result.coefficients
-    if not known:
-        rows = mounted[:-1] - mounted[:-1].mean(axis=0)
-        if np.linalg.matrix_rank(rows) < rows.shape[1]:
-            return None
-        matrix = np.linalg.lstsq(rows, before - before.mean(axis=0), rcond=None)[0].T
-    nearest = int(np.argmin(np.abs(mounted[:-1] - mounted[-1]).sum(axis=1)))
-    predicted: Complex = before[nearest] + matrix @ (mounted[-1] - mounted[nearest])
+    matrix = result.coefficients if known else fitted_coefficients(before, mounted[:-1], positions[:-1])
+    if matrix is None:
+        return None
+    nearest = alike[np.argmin(np.abs(mounted[alike] - mounted[-1]).sum(axis=1))]
+    turn = np.exp(1j * positions[-1])
+    predicted: Complex = before[nearest] + turn * matrix @ (mounted[-1] - mounted[nearest])
     return predicted

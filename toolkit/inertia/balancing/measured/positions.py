@@ -9,18 +9,22 @@ from itertools import product
 
 import numpy as np
 
-from inertia.arrays import Int
+from inertia.arrays import Float, Int
 from inertia.balancing.corrections.correction_plane import KitWeight, angle_of
+from inertia.balancing.corrections.disc_constrained_milp import Program, UnsettledError
 from inertia.balancing.corrections.standard_weights import choose_weights
 from inertia.balancing.unbalance import Complex
 from inertia.records import dataclass
 
 _NOTHING = 1e-9  # of the whole: masses that are none
 _FOLLOWED = 64  # roundings followed up
+_FIRM = 1e4  # weight of an equation that has to be met, beside others of 1
 _OVER = 1e-6  # of a limit: what a correction that keeps it was rounded by
 _LISTED = 200_000  # choices of weights that are listed at once
 _MANY = 32  # weights, whose choices are not listed any more
 _AT_ONCE = 4096  # of the choices found, looked at together
+_NODES = 500  # of one search for a smallest residual: some tenths of a second
+_LEEWAY = 4e-6  # of the heaviest weight, in what is left
 _NEIGHBOURS = 8  # pairs of weights tried for what others leave, the nearest first
 
 
@@ -62,7 +66,7 @@ def split_among(
     vector : kg, the mass to mount in its direction
     angles : (n,) rad, the positions; None for anywhere
     most : kg at one position
-    most_in_all : kg, the size of the vector that they make together; steps and weights round it up no further
+    most_in_all : kg of all of them together; steps and weights round it up no further
     step : kg, to which masses are rounded; 0 for no rounding
     kit : the weights at hand, in place of a step
     most_pieces : weights of the kit at one position
@@ -76,14 +80,18 @@ def split_among(
     limit = most_in_all * (1 + _OVER)
     if places is not None and kit:
         return _of_kit(vector, places, kit, most_pieces, limit, enough)
-    size = abs(vector)
-    within = vector * (most_in_all / size) if size > limit else vector
     exact: tuple[Piece, ...]
     if places is None:
-        exact, most = (Piece(angle_of(within), abs(within)),), math.inf
+        exact, most = (Piece(angle_of(vector), min(abs(vector), most_in_all)),), math.inf
     else:
-        exact = _beside(within, places, most) or _least_squares(within, places, most)
+        exact = _beside(vector, places, most) or _least_squares(vector, places, most)
+        if _mass(exact) > limit:
+            exact = _least_squares(vector, places, most, most_in_all)
     return _rounded(vector, exact, step, most, limit)
+
+
+def _mass(pieces: Sequence[Piece]) -> float:
+    return math.fsum(piece.mass for piece in pieces)
 
 
 def _beside(vector: complex, places: Sequence[float], most: float) -> tuple[Piece, ...]:
@@ -103,7 +111,10 @@ def _beside(vector: complex, places: Sequence[float], most: float) -> tuple[Piec
     return pieces if all(piece.mass <= most for piece in pieces) else ()
 
 
-def _least_squares(vector: complex, places: Sequence[float], most: float) -> tuple[Piece, ...]:
+def _least_squares(
+    vector: complex, places: Sequence[float], most: float, in_all: float | None = None
+) -> tuple[Piece, ...]:
+    """Return the masses that leave least, those of all together where that is said: as an equation of great weight."""
     from scipy.optimize import lsq_linear
 
     size = abs(vector)
@@ -111,6 +122,9 @@ def _least_squares(vector: complex, places: Sequence[float], most: float) -> tup
         return ()
     matrix = np.array([np.cos(places), np.sin(places)])
     target = np.array([vector.real, vector.imag]) / size
+    if in_all is not None:
+        matrix = np.vstack([matrix, np.full(len(places), _FIRM)])
+        target = np.append(target, _FIRM * in_all / size)
     limit = most / size
     masses = lsq_linear(matrix, target, (0.0, limit if math.isfinite(limit) else np.inf), method="bvls").x
     return tuple(
@@ -119,17 +133,18 @@ def _least_squares(vector: complex, places: Sequence[float], most: float) -> tup
 
 
 def _rounded(vector: complex, pieces: tuple[Piece, ...], step: float, most: float, limit: float) -> tuple[Piece, ...]:
-    """Round the masses up or down, one after the other, so that the whole stays nearest and its size within a limit."""
+    """Round the masses up or down, one after the other, so that they stay nearest and all together within a limit."""
     ways: list[tuple[Piece, ...]] = [()]
     for piece in pieces:
         choices = [Piece(piece.angle, mass) for mass in _steps(piece.mass, step) if mass <= most * (1 + _OVER)]
         ways = [(*way, choice) for way, choice in product(ways, choices)]
-        rest = sum(k.vector for k in pieces[len(ways[0]) :])
+        others = pieces[len(ways[0]) :]
+        least = math.fsum(_steps(k.mass, step)[0] for k in others)
+        ways = [way for way in ways if _mass(way) + least <= limit]
+        rest = sum(k.vector for k in others)
         ways.sort(key=lambda way: abs(sum((k.vector for k in way), rest) - vector))
         del ways[_FOLLOWED:]
-    ways.append(())
-    nearest = next(way for way in ways if abs(sum(piece.vector for piece in way)) <= limit)
-    return tuple(piece for piece in nearest if piece.mass > 0)
+    return tuple(piece for piece in ways[0] if piece.mass > 0)
 
 
 def _steps(mass: float, step: float) -> tuple[float, ...]:
@@ -154,20 +169,53 @@ def _of_kit(
     ]
     counts = _fewest(vector, np.array(effects), groups, limit, enough) if enough > 0 else None
     if counts is None:
-        counts = choose_weights(
-            [effects],
-            [-vector],
-            [max(weight.mass for weight in kit)],
-            [min(most, weight.most) for _, weight in slots],
-            groups,
-            aim="smallest",
-            largest=[limit],
-        ).counts
+        most_of = [int(min(most, weight.most)) for _, weight in slots]
+        counts = _smallest(vector, np.array(effects), most_of, groups, limit)
     return tuple(
         Piece(angle, count * weight.mass, weight.name, count)
         for (angle, weight), count in zip(slots, counts.tolist(), strict=True)
         if count
     )
+
+
+def _smallest(
+    vector: complex, effects: Complex, most: Sequence[int], groups: Sequence[tuple[Sequence[int], int]], limit: float
+) -> Int:
+    """Return how many weights of each effect leave least, of those the fewest, with all their masses within a limit."""
+    masses, everything = np.abs(effects), range(len(effects))
+    heaviest = float(masses.max())
+
+    def chosen(*more: tuple[Sequence[int], int]) -> Int:
+        capped = [*groups, *more]
+        return choose_weights([effects], [-vector], [heaviest], most, capped, aim="smallest", largest=[limit]).counts
+
+    counts = chosen()
+    if counts @ masses <= limit:
+        return counts
+    width = len(effects) + 1
+    number, left = np.r_[np.ones(width - 1), 0.0], np.r_[np.zeros(width - 1), 1.0]
+    rows = [(np.isin(np.arange(width), places).astype(float), 0.0, float(cap)) for places, cap in groups]
+    rows.append((np.r_[masses, 0.0] / heaviest, 0.0, limit / heaviest))
+
+    def least(cost: Float, *more: tuple[Float, float, float]) -> Float | None:
+        return Program(
+            effects=np.r_[effects, 0.0][None] / heaviest,
+            start=np.array([-vector / heaviest]),
+            radii=np.zeros(1),
+            reach=left[None],
+            upper=np.r_[np.asarray(most, float), np.inf],
+            integral=number,
+            rows=(*rows, *more),
+            nodes=_NODES,
+        ).least(cost)
+
+    try:
+        nearest = least(left)
+        fewest = None if nearest is None else least(number, (left, 0.0, float(nearest[-1]) + _LEEWAY))
+    except UnsettledError:
+        fewest = None
+    # So many of the heaviest are within the limit, whatever they leave.
+    return chosen((everything, int(limit / heaviest))) if fewest is None else np.round(fewest[:-1]).astype(np.int64)
 
 
 def _fewest(
@@ -202,7 +250,7 @@ def _fewest(
         for some in np.array_split(order, -(-order.size // _AT_ONCE)):
             row, column = np.unravel_index(some, left.shape)
             chosen = np.column_stack([firsts[row], lasts[which[row, column]]])
-            allowed = (np.abs(effects[chosen].sum(axis=1)) <= limit) & (members[chosen].sum(axis=1) <= caps).all(axis=1)
+            allowed = (np.abs(effects[chosen]).sum(axis=1) <= limit) & (members[chosen].sum(axis=1) <= caps).all(axis=1)
             allowed &= left[row, column] <= enough
             if allowed.any():
                 return np.bincount(chosen[np.argmax(allowed)], minlength=len(effects))

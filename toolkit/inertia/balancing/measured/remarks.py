@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.balancing.measured.estimate import Estimate, mounted_weights
+from inertia.balancing.measured.estimate import Estimate, positions_of, reading_moves
 from inertia.balancing.measured.influence import CONDITION_WARNING, InfluenceCorrection
 from inertia.balancing.measured.job import AMPLITUDE, PHASE, Job
 from inertia.balancing.measured.trial_weights import trial_response
@@ -19,6 +19,8 @@ from inertia.balancing.unbalance import Complex
 _DROWNED = 3.0  # standard uncertainties that a trial weight's effect should exceed
 _ALIKE = math.radians(15.0)  # angle between the effects of two planes below which they are hardly told apart
 _STRAY = 3.0  # standard uncertainties by which a run may be off the others
+_ROUNDING = 1e-9  # of a reading
+_ALIKE_FAR = 1e-3  # relative: where the runs have one number to spare, all of them are as far off
 
 
 def remarks(
@@ -48,10 +50,8 @@ def remarks(
             "the readings do not bound the unbalance: what a weight does to them is known to no better than a half of "
             "it; nothing passes or fails by that, and no weights are proposed: repeat with larger trial weights"
         )
-    for k in () if correction is None else correction.limited:
-        notes.append(f"plane {job.planes[k].id} is at its limit of {job.fields.plane[k].max_mass_g:g} g")
     if result.ambiguous:
-        places = " and ".join(f"{in_degrees(fit.unbalance):.1f}°" for fit in result.fits[:2])
+        places = " and ".join(f"{round(in_degrees(fit.unbalance), 1) % 360.0:.1f}°" for fit in result.fits[:2])
         notes.append(
             f"two places of the heavy spot explain the amplitudes, {places}: mount the correction of the first, and "
             "add the run; it tells which"
@@ -83,10 +83,11 @@ def _on_trials(job: Job, result: Estimate) -> list[str]:
     notes: list[str] = []
     readings = job.vibrations if job.by_phase else job.amplitudes.astype(complex)
     spread = _standard(job, readings)
+    positions = positions_of(job)
     for k in range(1, len(job.runs)):
-        moved = result.mounted[k] != result.mounted[:k]
         change = np.abs(result.mounted[:k] - result.mounted[k]).sum(axis=1)
-        if not moved.any() or not change.all():
+        change[positions[:k] != positions[k]] = math.inf
+        if not change.all() or not np.isfinite(change).any():
             continue
         base = int(np.argmin(change))
         effect = np.abs(readings[k] - readings[base]) / np.maximum(np.hypot(spread[k], spread[base]), 1e-300)
@@ -123,48 +124,47 @@ def _on_coefficients(job: Job, result: Estimate, correction: InfluenceCorrection
     return notes
 
 
+def contradiction(job: Job, result: Estimate) -> float:
+    """Return by how many standard uncertainties the reading farthest off is off what the runs have in common."""
+    return float(_stray(job, result).max())
+
+
+def _stray(job: Job, result: Estimate) -> Float:
+    """Return by how many standard uncertainties readings (runs, channels) are off what the runs have in common."""
+    readings = job.vibrations if job.by_phase else job.amplitudes
+    nothing = _ROUNDING * np.abs(readings + job.runouts).max(axis=0) + 1e-300
+    stray: Float = np.abs(result.residuals) / np.maximum(result.residual_uncertainty, nothing)
+    return stray
+
+
 def _on_contradictions(job: Job, result: Estimate) -> list[str]:
-    """Name the run that is farthest off what the last one, and the weights between them, say of it."""
-    readings = job.vibrations if job.by_phase else job.amplitudes.astype(complex)
-    spread = _standard(job, readings)
-    if result.tooling is not None or len(readings) < 2:
-        return []
-    if result.coefficients is None:
-        (fit, *_), others = result.fits, np.zeros_like(spread)
-        expected = fit.sensitivity * np.abs(fit.unbalance + result.mounted)
-    else:
-        between = result.mounted - result.mounted[-1]
-        expected = readings[-1] + between @ result.coefficients.T
-        others = np.hypot(spread[-1], _of_weights(job, result))
-        if job.fields.coefficients is not None:
-            others = np.hypot(others, np.abs(between) @ result.coefficient_uncertainty.T)
-    stray = (np.abs(readings - expected) / np.maximum(np.hypot(spread, others), 1e-300))[: -1 if job.by_phase else None]
+    """Name the reading that is farthest off; of those that are as far, the first."""
+    stray = _stray(job, result)
     if stray.max() <= _STRAY:
         return []
-    run, channel = np.unravel_index(int(stray.argmax()), stray.shape)
+    run, channel = np.unravel_index(int((stray >= (1 - _ALIKE_FAR) * stray.max()).argmax()), stray.shape)
     off = f"{stray.max():.{1 if stray.max() < 10 else 0}f}"
     return [
         f"the runs contradict each other: {job.channels[channel]} of run {job.runs[run].id} is off by {off} standard "
-        "uncertainties; the machine is not linear, something has moved, or a weight is not as stated (what was taken "
-        "away is negative)"
+        f"uncertainties; the machine is not linear, something has moved, or a weight is not as stated{_slip(job)}"
     ]
 
 
-def _of_weights(job: Job, result: Estimate) -> Float:
-    """Return what readings are off by as weights are, (runs, channels) standard, from those of the last run."""
-    assert result.coefficients is not None
-    stated, squares = job.fields.uncertainty, np.zeros((len(job.runs), len(job.channels)))
-    for number, (_, plane, weight, _) in enumerate(job.weights):
-        alone = np.zeros(len(job.weights), complex)
-        alone[number] = weight
-        mounted = mounted_weights(job, alone)[0][:, plane]
-        squares += np.abs((mounted - mounted[-1])[:, None] * result.coefficients[:, plane]) ** 2
-    spread: Float = np.sqrt(squares * (stated.mass**2 + math.radians(stated.angle) ** 2) / 2.0) / math.sqrt(3.0)
-    return spread
+def _slip(job: Job) -> str:
+    """Return what the log of weights may have wrong."""
+    weights = [weight for run in job.runs for weight in run.weights]
+    if any((weight.mass_g or 0.0) < 0 and weight.radius is None for weight in weights):
+        return (
+            " (what a hole takes counts at the radius of its own centre, not at that of the surface: give the weight's "
+            "radius, or gmm)"
+        )
+    if any((weight.mass_g or weight.gmm or 0.0) < 0 for weight in weights):
+        return ""
+    return " (what was taken away is negative)"
 
 
 def _standard(job: Job, readings: Complex) -> Float:
-    """Return the standard uncertainty of each reading, as a vector."""
-    sizes, (amplitude, phase) = np.abs(readings), job.half_widths
-    across = phase if job.by_phase else 0.0
-    return np.sqrt(sizes**2 * (amplitude**2 + across**2) / 2.0 + job.noise**2) / math.sqrt(3.0)
+    """Return the standard uncertainty of each reading, as a vector; of what was read, the runout included."""
+    moves = reading_moves(job, readings + job.runouts)
+    spread: Float = np.sqrt((np.abs(moves) ** 2).sum(axis=0) / 2.0)
+    return spread

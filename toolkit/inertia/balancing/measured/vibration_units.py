@@ -34,19 +34,23 @@ _SCALES = {
     "g": ("acceleration", STANDARD_GRAVITY, "rms"),
 }
 _DETECTORS = {"rms": math.sqrt(2.0), "peak": 1.0, "pp": 0.5}
-_ALIASES = {"um": "µm", "micron": "µm", "mils": "mil", "ips": "in/s", "m/s2": "m/s²", "p-p": "pp", "peak-peak": "pp"}
+_ALIASES = {
+    "um": "µm", "micron": "µm", "microns": "µm", "mils": "mil", "ips": "in/s", "m/s2": "m/s²", "m/s^2": "m/s²",
+    **dict.fromkeys(("pk", "0-p", "0-pk", "o-p", "zero-peak"), "peak"),
+    **dict.fromkeys(("p-p", "pk-pk", "pkpk", "peak-peak", "peak-to-peak", "peak to peak"), "pp"),
+}  # fmt: skip
 
 
 def vibration_unit(name: str) -> VibrationUnit:
-    """Return a unit by its name; of one that does not say how it is rectified, the one that is customary.
+    """Return a unit by its name, in any case; of one that does not say how it is rectified, the one that is customary.
 
-    >>> vibration_unit("mil p-p").name, vibration_unit("mm/s").name, vibration_unit("µm peak").name
-    ('mil pp', 'mm/s rms', 'µm peak')
+    >>> vibration_unit("MIL p-p").name, vibration_unit("mm/s").name, vibration_unit("in/s 0-pk").name
+    ('mil pp', 'mm/s rms', 'in/s peak')
 
     Raises `UsageError` for an unknown one.
     """
-    scale, _, detector = name.strip().replace("μ", "µ").partition(" ")
-    scale, detector = _ALIASES.get(scale, scale), _ALIASES.get(detector.strip(), detector.strip())
+    scale, _, detector = " ".join(name.lower().replace("μ", "µ").split()).partition(" ")
+    scale, detector = _ALIASES.get(scale, scale), _ALIASES.get(detector, detector)
     if scale not in _SCALES or (detector and detector not in _DETECTORS):
         raise UsageError(
             f"is {name!r}: use one of {', '.join(_SCALES)}, each with rms, peak or pp (peak to peak), as 'mm/s rms'"

@@ -16,18 +16,21 @@ from inertia.balancing.axis.location import Axis
 from inertia.balancing.axis.tilt import Tilt
 from inertia.balancing.bounds import Source
 from inertia.balancing.correction_fields import KeyFields
-from inertia.balancing.corrections.correction_plane import Process
+from inertia.balancing.corrections.correction_plane import Process, point_length
 from inertia.balancing.corrections.operation import Kind, Method
 from inertia.balancing.forces import RigidLimit
 from inertia.balancing.indexing import Indexing
+from inertia.balancing.machine_angles import MachineAngles
 from inertia.balancing.monte_carlo import Scatter
 from inertia.balancing.rotor_bodies import ChordFrom
 from inertia.balancing.rotor_fields import ReportFields, ServiceFields
+from inertia.balancing.shop_units import angular_speed, in_gmm
 from inertia.balancing.tolerance import Share, Tolerance
 from inertia.balancing.unbalance import Kind as UnbalanceKind
 from inertia.balancing.verdict import Outcome, Verdict
 from inertia.mesh.part import Part
 from inertia.records import dataclass
+from inertia.report.numerals import decimals_of
 
 MM = 1e3
 """mm in a metre."""
@@ -215,6 +218,13 @@ class OperationRow:
         return 0.0 if self.ends is None else (self.ends[1] - self.ends[0]) % 360.0
 
     @property
+    def point_alone(self) -> float | None:
+        """How deep a drill's point goes, mm, where its full diameter only just enters; None for any other depth."""
+        if self.point is None or self.diameter is None or self.depth != 0.0:
+            return None
+        return point_length(self.diameter, math.radians(self.point))
+
+    @property
     def along_rim(self) -> float:
         """The same in mm."""
         return math.radians(self.span) * self.radius
@@ -254,6 +264,7 @@ class ReportData:
     notes : what else has to be known, in sentences
     indexing : how the bodies are put together; None where none may be turned
     assembled : whether the rotor is an assembly
+    machine : how the balancing machine counts angles
     """
 
     rotor: str
@@ -294,6 +305,7 @@ class ReportData:
     indexing: Indexing | None = None
     assembled: bool = False
     assembly_file: tuple[str, str] | None = None
+    machine: MachineAngles = MachineAngles()
 
     @property
     def part(self) -> str:
@@ -304,6 +316,22 @@ class ReportData:
     def origin(self) -> str:
         """How the rotor's own unbalance is known: "modelled" from its meshes, or "measured" by a machine."""
         return "measured" if "measurement" in self.initial.bearing_bounds[0] else "modelled"
+
+    @property
+    def decimals(self) -> int:
+        """Of lengths, mm, as they are printed: two, and more on a rotor of a few millimetres."""
+        return decimals_of(abs(self.bearings[1].z - self.bearings[0].z), 2)
+
+    @property
+    def gmm_decimals(self) -> int:
+        """Of unbalances, g·mm, as they are printed (`inertia.report.numerals.scaled`): four digits of the limits."""
+        return decimals_of(min(in_gmm(k.permissible) for k in self.bearings))
+
+    @property
+    def force_decimals(self) -> int:
+        """The same of forces, N."""
+        limit = min(k.permissible for k in self.bearings)
+        return decimals_of(limit * angular_speed(self.service.rpm) ** 2)
 
     @property
     def basis(self) -> str:
@@ -321,11 +349,6 @@ class ReportData:
     def states(self) -> tuple[Vectors, Vectors, Vectors]:
         """The rotor before, what the correction does to it, and what is left: the first two make up the third."""
         return self.initial, self.correction, self.residual
-
-    @property
-    def turns_back(self) -> bool:
-        """Whether the balancing machine counts angles the other way round."""
-        return self.head.machine_angles == "cw"
 
     def steps(self, plane: PlaneRow) -> list[tuple[int, OperationRow]]:
         """Return the operations of a plane, each with the number of its step."""

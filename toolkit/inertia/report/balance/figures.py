@@ -13,6 +13,7 @@ from inertia import __version__
 from inertia.balancing.balance import Balance
 from inertia.balancing.correction_loop import Correction
 from inertia.balancing.corrections.operation import Operation
+from inertia.balancing.machine_angles import MachineAngles
 from inertia.balancing.monte_carlo_terms import operation_terms
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.rotor_bodies import RotorBody
@@ -32,15 +33,17 @@ from inertia.report.balance.data import (
 from inertia.report.numerals import converted
 
 
-def report_data(balance: Balance, date: str | None = None) -> ReportData:
+def report_data(balance: Balance, date: str | None = None, machine: MachineAngles | None = None) -> ReportData:
     """Return what is reported of a balance.
 
     Parameters
     ----------
     balance : what `inertia.balance` returned
     date : of the report; today without it
+    machine : how the machine that measured the unbalance counts angles; as the rotor file says without it
     """
     rotor, correction = balance.rotor, balance.correction
+    machine = machine or MachineAngles(rotor.fields.report.machine_angles)
     initial = _state(balance, "initial", balance.initial)
     residual = _state(balance, "residual", balance.residual)
     return ReportData(
@@ -65,7 +68,7 @@ def report_data(balance: Balance, date: str | None = None) -> ReportData:
         initial=initial,
         correction=_change(initial, residual, balance.rotor.speed),
         residual=residual,
-        operations=_operations(balance),
+        operations=_operations(balance, machine),
         corrected=correction is not None,
         cuts=0 if correction is None else correction.iterations,
         within=correction is not None and correction.within,
@@ -82,6 +85,7 @@ def report_data(balance: Balance, date: str | None = None) -> ReportData:
         indexing=balance.indexing,
         assembled=rotor.assembly is not None,
         assembly_file=_assembly_file(rotor),
+        machine=machine,
     )
 
 
@@ -198,18 +202,17 @@ def _change(first: Vectors, last: Vectors, speed: float) -> Vectors:
     )
 
 
-def _operations(balance: Balance) -> tuple[OperationRow, ...]:
+def _operations(balance: Balance, machine: MachineAngles) -> tuple[OperationRow, ...]:
     if balance.correction is None:
         return ()
     works, shop = balance.correction.operations, balance.rotor.shop.separately
     terms = operation_terms(works, balance.residual, balance.tolerance_planes, shop)
     rates = {term.name: float(np.abs(term.sensitivities).max()) * term.step for term in terms}
-    return tuple(_operation(balance, work, rates) for work in works)
+    return tuple(_operation(balance, work, rates, machine) for work in works)
 
 
-def _operation(balance: Balance, work: Operation, rates: Mapping[str, float]) -> OperationRow:
+def _operation(balance: Balance, work: Operation, rates: Mapping[str, float], machine: MachineAngles) -> OperationRow:
     angle = converted(math.degrees(work.angle))
-    turned = balance.rotor.fields.report.machine_angles == "cw"
     ends = None if work.half_angle is None else _ends(angle, math.degrees(work.half_angle))
     depth = rates.get(f"{work.id}: depth")
     return OperationRow(
@@ -219,7 +222,7 @@ def _operation(balance: Balance, work: Operation, rates: Mapping[str, float]) ->
         kind=work.kind,
         z=converted(MM * work.z),
         angle=angle,
-        machine_angle=-angle % 360.0 if turned else angle,
+        machine_angle=machine.of(angle),
         radius=converted(MM * work.radius),
         mass=converted(1e3 * work.mass),
         unbalance=work.unbalance,
@@ -230,7 +233,7 @@ def _operation(balance: Balance, work: Operation, rates: Mapping[str, float]) ->
         width=_mm(work.width),
         arc=None if work.arc is None else converted(math.degrees(work.arc)),
         ends=ends,
-        machine_ends=(-ends[1] % 360.0, -ends[0] % 360.0) if ends is not None and turned else ends,
+        machine_ends=None if ends is None else machine.ends_of(ends),
         passes=work.passes,
         wall=_mm(work.remaining_wall),
         pieces=work.pieces,
@@ -241,11 +244,11 @@ def _operation(balance: Balance, work: Operation, rates: Mapping[str, float]) ->
 
 
 def _ends(angle: float, half: float) -> tuple[float, float]:
-    return converted((angle - half) % 360.0), converted((angle + half) % 360.0)
+    return converted(angle - half) % 360.0, converted(angle + half) % 360.0
 
 
 def _turned(angle: float) -> float:
-    return converted(math.degrees(angle) % 360.0)
+    return converted(math.degrees(angle)) % 360.0
 
 
 def _mm(length: float | None) -> float | None:

@@ -26,7 +26,7 @@ from inertia.balancing.shop_units import (
 from inertia.balancing.tolerance import Share
 from inertia.output import require_writable, write_whole
 from inertia.report.balance.data import KINDS, MM, TURNS, BodyRow, OperationRow, PlaneRow, ReportData
-from inertia.report.numerals import fixed, plain, significant
+from inertia.report.numerals import decimals_of, direction, fixed, grams, plain, scaled, significant
 from inertia.report.svg.canvas import rectangular
 from inertia.report.svg.convention import convention
 from inertia.report.svg.end_view import end_view
@@ -65,16 +65,21 @@ def balance_html(data: ReportData) -> str:
         significant=significant,
         fixed=fixed,
         plain=plain,
+        direction=direction,
+        grams=grams,
+        kilograms=_kilograms,
+        millimetres=lambda value: fixed(value, data.decimals),
         magnitude=lambda value: significant(abs(value)),
+        newtons=lambda value: scaled(abs(value), data.force_decimals),
         degrees=degrees,
-        gmm=lambda value: significant(in_gmm(value)),
-        gmm2=lambda value: significant(abs(value) / GRAM_SQUARE_MILLIMETRE),
-        ounces=ounce_inches,
-        ounces2=lambda value: significant(abs(value) / (OUNCE_INCH * INCH), 4, 4),
+        gmm=lambda value: scaled(in_gmm(value), data.gmm_decimals),
+        gmm2=lambda value: scaled(abs(value) / GRAM_SQUARE_MILLIMETRE, data.gmm_decimals),
+        ounces=lambda value: ounce_inches(value, data.gmm_decimals + 2),
+        ounces2=lambda value: scaled(abs(value) / (OUNCE_INCH * INCH), data.gmm_decimals + 1),
         file_name=_file_name,
         share=_share,
         tool=_tool,
-        what=_what,
+        what=lambda plane: _what(plane, data.decimals),
     )
     wraps = list(_wraps(data))
     unwrapped = [plane for plane, pieces in wraps if not pieces]
@@ -92,12 +97,13 @@ def balance_html(data: ReportData) -> str:
         sensitivities=sensitivities[:_LISTED],
         unlisted=len(sensitivities[_LISTED:]),
         rotation=TURNS[data.axis.shaft.rotation],
+        machine_sense=TURNS[data.machine.sense],
         convention=convention(data.axis.shaft.rotation),
         sketch=sketch(data.outline, data.initial.z, data.bearings, data.planes),
         plots=_plots(data),
         keys={style: key(style) for style in STYLES},
         few=_FEW,
-        steps=list(map(_step, data.operations)),
+        steps=[_step(work, data.decimals) for work in data.operations],
         end_views=[end_view(k, data.section(k), data.steps(k)) for k in data.planes if data.steps(k)],
         strip=strip(unwrapped, data.operations) if unwrapped else None,
         wraps=[piece for _, pieces in wraps for piece in pieces],
@@ -127,16 +133,20 @@ def degrees(vector: complex) -> str:
     >>> degrees(-1j), degrees(1 - 1e-9j)
     ('270.0°', '0.0°')
     """
-    return f"{round(in_degrees(vector), 1) % 360.0:.1f}°"
+    return f"{direction(in_degrees(vector))}°"
 
 
-def ounce_inches(unbalance: complex) -> str:
+def ounce_inches(unbalance: complex, decimals: int = 5) -> str:
     """Return an unbalance (kg m) as oz·in.
 
     >>> ounce_inches(720.0778862e-6)
     '1.000'
     """
-    return significant(abs(unbalance) / OUNCE_INCH, 4, 5)
+    return scaled(abs(unbalance) / OUNCE_INCH, decimals)
+
+
+def _kilograms(mass: float) -> str:
+    return plain(mass, decimals_of(mass, 4))
 
 
 def _rotor_facts(data: ReportData) -> Iterator[tuple[str, str]]:
@@ -149,8 +159,8 @@ def _rotor_facts(data: ReportData) -> Iterator[tuple[str, str]]:
         yield "Customer", head.customer
     if head.remark:
         yield "Remark", head.remark
-    yield "Mass", f"{plain(data.initial.mass, 4)} kg"
-    yield "Centre of mass", f"z = {plain(data.initial.z, 3)} mm"
+    yield "Mass", f"{_kilograms(data.initial.mass)} kg"
+    yield "Centre of mass", f"z = {plain(data.initial.z, data.decimals + 1)} mm"
     if tilt.certain:
         leans = round(math.degrees(tilt.direction), 1) % 360.0
         yield "Principal axis", f"{fixed(math.degrees(tilt.angle), 3)}° from the shaft, toward {fixed(leans, 1)}°"
@@ -162,7 +172,7 @@ def _service_facts(data: ReportData) -> Iterator[tuple[str, str]]:
     shaft, service, radius = data.axis.shaft, data.service, data.radial_uncertainty
     yield "Axis", data.axis.obtained
     for bearing, point in zip(data.bearings, (shaft.bearing_a, shaft.bearing_b), strict=True):
-        yield f"Bearing {bearing.name}", f"({_listed(MM * point)}) mm; z = {plain(bearing.z, 3)} mm"
+        yield f"Bearing {bearing.name}", f"({_listed(MM * point)}) mm; z = {plain(bearing.z, data.decimals + 1)} mm"
     if data.origin == "modelled":
         yield "Known to", f"{plain(radius, 4)} mm about each bearing centre" if radius else "taken as exact"
     yield "Key convention", "; ".join(_keys(data)) or "no keys"
@@ -212,9 +222,9 @@ def _share(share: Share | None) -> str:
     return f"{share.allocated:.3f}, {limits} allowed"
 
 
-def _what(plane: PlaneRow) -> str:
+def _what(plane: PlaneRow, decimals: int) -> str:
     """Return how a plane is corrected."""
-    return f"{_METHODS[plane.method or '']} at radius {plain(plane.radius or 0.0, 2)} mm"
+    return f"{_METHODS[plane.method or '']} at radius {plain(plane.radius or 0.0, decimals)} mm"
 
 
 def _face(plane: PlaneRow) -> str:
@@ -237,19 +247,21 @@ def _from_to(work: OperationRow) -> str:
     if work.machine_ends is None:
         return ""
     start, stop = work.machine_ends
-    return f" from {fixed(start, 1)}° to {fixed(stop, 1)}°, {fixed(work.along_rim, 1)} mm along the rim"
+    return f" from {direction(start)}° to {direction(stop)}°, {fixed(work.along_rim, 1)} mm along the rim"
 
 
-def _step(work: OperationRow) -> str:
+def _step(work: OperationRow, decimals: int) -> str:
     """Return what is done in one step, in words, but for its angle."""
-    deep = "" if work.depth is None else f", {fixed(work.depth, 2)} mm deep"
+    deep = "" if work.depth is None else f", {fixed(work.depth, decimals)} mm deep"
+    if work.point_alone is not None:
+        deep = f", its point alone, {fixed(work.point_alone, decimals)} mm deep at the tip"
     if work.method == "remove":
-        bit = "" if work.diameter is None else f" Ø{plain(work.diameter, 2)}"
+        bit = "" if work.diameter is None else f" Ø{plain(work.diameter, max(decimals, 3))}"
         passes = f" in {work.passes} passes" if work.passes > 1 else ""
         what = f"{KINDS[work.kind]}{_from_to(work)}{bit and f',{bit}' if work.ends else bit}{deep}{passes}"
     else:
         what = _tool(work)
-    return f"{what}, radius {fixed(work.radius, 2)} mm, {significant(work.mass, 4, 3)} g"
+    return f"{what}, radius {fixed(work.radius, decimals)} mm, {grams(work.mass)} g"
 
 
 def _wraps(data: ReportData) -> Iterator[tuple[PlaneRow, list[Markup]]]:
@@ -257,8 +269,7 @@ def _wraps(data: ReportData) -> Iterator[tuple[PlaneRow, list[Markup]]]:
     for plane in data.planes:
         if steps := data.steps(plane):
             outside = plane.method != "drill_axial"
-            shown = (lambda angle: -angle % 360.0) if data.turns_back else lambda angle: angle
-            yield plane, wrap(plane, steps, shown) if outside else []
+            yield plane, wrap(plane, steps, data.machine.of) if outside else []
 
 
 def _total(bounds: Mapping[Source, float]) -> float:

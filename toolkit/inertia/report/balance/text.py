@@ -11,7 +11,7 @@ from inertia.arrays import Float
 from inertia.balancing.bounds import Source
 from inertia.balancing.shop_units import GRAM_MILLIMETRE, GRAM_SQUARE_MILLIMETRE, in_degrees, in_gmm
 from inertia.report.balance.data import KINDS, MM, TURNS, BodyRow, OperationRow, ReportData
-from inertia.report.numerals import fixed, number, row, significant, wrapped
+from inertia.report.numerals import direction, fixed, grams, number, row, scaled, significant, wrapped
 
 _ID = 12
 _LISTED = 6  # lines of the sensitivity table
@@ -87,11 +87,11 @@ def _unbalance(data: ReportData) -> Iterator[str]:
     )
     yield row("Mass", f"{number(state.mass)} kg, its centre at z = {_mm(state.z)}")
     yield row("Unbalance", state.kind)
-    size = _gmm(static)
+    size = _gmm(data, static)
     where = "" if size == "0" or size.startswith("<") else f"{_at(static)}, e = {significant(state.eccentricity)} µm"
     yield row("  static", f"{size} g·mm{where}")
-    size = significant(abs(couple) / GRAM_SQUARE_MILLIMETRE)
-    torque = f", which takes {significant(state.torque)} N·m to turn" if couple else ""
+    size = scaled(abs(couple) / GRAM_SQUARE_MILLIMETRE, data.gmm_decimals)
+    torque = f", which takes {scaled(state.torque, data.force_decimals)} N·m to turn" if couple else ""
     yield row("  couple", f"{size} g·mm²{_at(couple)}{torque}")
     tilt = data.tilt
     if not tilt.certain:
@@ -102,7 +102,7 @@ def _unbalance(data: ReportData) -> Iterator[str]:
         leans = f"{math.degrees(tilt.angle):.4g}° from the shaft"
     yield row("  principal axis", leans)
     tolerance = data.tolerance
-    total = "" if tolerance.total is None else f" = {_gmm(tolerance.total)} g·mm"
+    total = "" if tolerance.total is None else f" = {_gmm(data, tolerance.total)} g·mm"
     yield from wrapped("Permissible", f"{tolerance.standard}: {tolerance.rule}{total}")
     if tolerance.meant_for:
         yield from wrapped("", f"meant for {'; '.join(tolerance.meant_for)}")
@@ -129,7 +129,7 @@ def _together(data: ReportData) -> Iterator[str]:
         yield f"  {part:<{width}}" + ("stays in its place" if other == part else f"in the place of {other}")
     planes = zip(data.bearings, indexing.planes_as_filed, indexing.planes_left, strict=True)
     for bearing, before, after in planes:
-        yield f"  {bearing.name:<{width}}{_gmm(before)} g·mm as filed, {_gmm(after)} g·mm so"
+        yield f"  {bearing.name:<{width}}{_gmm(data, before)} g·mm as filed, {_gmm(data, after)} g·mm so"
     yield from wrapped("", indexing.sentence)
 
 
@@ -142,22 +142,22 @@ def _planes(data: ReportData) -> Iterator[str]:
     head += "".join(f"{f'{state}, g·mm':>18}{'at':>8}{'force, N':>10}" for state in states)
     yield f"{head}{'95 % below':>12}"
     for k, bearing in enumerate(data.bearings):
-        line = f"{bearing.name:<{_ID}}{fixed(bearing.z, 2):>9}{_gmm(bearing.permissible):>13}"
+        line = f"{bearing.name:<{_ID}}{fixed(bearing.z, data.decimals):>9} {_gmm(data, bearing.permissible):>12}"
         for state in states.values():
             vector = _cleared(state.bearings[k], state.bearing_bounds[k])
             force = state.forces[k] if vector else 0.0
-            line += _cell(vector if force else 0j, significant(force))
-        yield f"{line}{_gmm(bearing.residual_95):>12}"
+            line += _cell(data, vector if force else 0j, scaled(force, data.force_decimals))
+        yield f"{line} {_gmm(data, bearing.residual_95):>11}"
     for k, plane in enumerate(data.planes):
-        cells = (_cell(state.planes[k], "") for state in states.values())
-        yield f"{plane.id:<{_ID}}{fixed(plane.z, 2):>9}{'':>13}{''.join(cells)}".rstrip()
+        cells = (_cell(data, state.planes[k], "") for state in states.values())
+        yield f"{plane.id:<{_ID}}{fixed(plane.z, data.decimals):>9}{'':>13}{''.join(cells)}".rstrip()
     if data.service.run_up is not None:
-        a, b = map(significant, data.initial.forces_running_up)
+        a, b = (scaled(k, data.force_decimals) for k in data.initial.forces_running_up)
         yield f"While it still runs up, as {data.origin}: A {a} N, B {b} N"
 
 
-def _cell(vector: complex, force: str) -> str:
-    return f"{_gmm(vector):>18}{_degrees(vector) if vector else '':>8}{force:>10}"
+def _cell(data: ReportData, vector: complex, force: str) -> str:
+    return f" {_gmm(data, vector):>17}{_degrees(vector) if vector else '':>8} {force:>9}"
 
 
 def _operations(data: ReportData) -> Iterator[str]:
@@ -168,22 +168,24 @@ def _operations(data: ReportData) -> Iterator[str]:
         names = f"{'z':>9}{'angle':>9}{'radius':>9}{'tool':>8}{'depth':>8}{'mass, g':>10}{'wall':>9}"
         yield f"{'Work, in mm':<{width + 21}}{names}"
     for work in data.operations:
-        yield _operation(work, width)
+        yield _operation(work, width, data.decimals)
     yield from wrapped("Correction", data.ending)
     if data.plan:
         yield from wrapped("Plan", data.plan)
 
 
-def _operation(work: OperationRow, width: int) -> str:
+def _operation(work: OperationRow, width: int, decimals: int) -> str:
     what = f"{work.method} {KINDS[work.kind]}" if work.item is None else f"add {work.pieces} × {work.item}"
     if work.ends is not None:
         what += f" of {work.span:.1f}°"
     tool = "" if work.diameter is None else f"Ø{number(round(work.diameter, 6))}"
-    depth = "" if work.depth is None else fixed(work.depth, 2)
-    wall = "" if work.wall is None else fixed(work.wall, 2)
+    depth = "" if work.depth is None else fixed(work.depth, decimals)
+    if work.point_alone is not None:
+        depth = "point"
+    wall = "" if work.wall is None else fixed(work.wall, decimals)
     return (
-        f"{work.id:<{width}}{what:<21}{fixed(work.z, 2):>9}{f'{work.angle:.2f}°':>9}{fixed(work.radius, 2):>9}"
-        f"{tool:>8}{depth:>8}{fixed(work.mass, 3):>10}{wall:>9}"
+        f"{work.id:<{width}}{what:<21}{fixed(work.z, decimals):>9}{f'{direction(work.angle, 2)}°':>9}"
+        f"{fixed(work.radius, decimals):>9}{tool:>8}{depth:>8} {grams(work.mass):>9}{wall:>9}"
     ).rstrip()
 
 
@@ -193,11 +195,9 @@ def _sensitivities(data: ReportData) -> Iterator[str]:
         return
     yield f"{'Hold tightest':<30}{'a step of':>12}{'moves A, g·mm':>16}{'B, g·mm':>12}{'share of A':>12}{'of B':>8}"
     for line in lines:
-        a, b = (line.per_step / GRAM_MILLIMETRE).tolist()
+        a, b = (scaled(k, data.gmm_decimals) for k in (line.per_step / GRAM_MILLIMETRE).tolist())
         share_a, share_b = line.share.tolist()
-        yield (
-            f"{line.name:<30}{line.step_text:>12}{significant(a):>16}{significant(b):>12}{share_a:>12.0%}{share_b:>8.0%}"
-        )
+        yield (f"{line.name:<30}{line.step_text:>12} {a:>15} {b:>11}{share_a:>12.0%}{share_b:>8.0%}")
 
 
 def _candidates(data: ReportData) -> Iterator[str]:
@@ -225,12 +225,12 @@ def _closing(data: ReportData) -> Iterator[str]:
         yield from wrapped("" if k else "Notes", note)
 
 
-def _gmm(unbalance: complex) -> str:
-    return significant(in_gmm(unbalance))
+def _gmm(data: ReportData, unbalance: complex) -> str:
+    return scaled(in_gmm(unbalance), data.gmm_decimals)
 
 
 def _degrees(vector: complex) -> str:
-    return f"{fixed(in_degrees(vector), 1)}°"
+    return f"{direction(in_degrees(vector))}°"
 
 
 def _at(vector: complex) -> str:

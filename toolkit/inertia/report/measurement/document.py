@@ -74,9 +74,7 @@ def measurement_csv(result: Measurement) -> str:
     """Return the log: a line for each reading of each run."""
     rows: list[list[object]] = [[*_LOG]]
     for run in measurement_document(result)["runs"]:
-        mounted = "; ".join(
-            f"{k['plane']} {k['g']:.6g} g at {k['deg']:.6g}" for k in run["mounted"] if k["g"] is not None
-        )
+        mounted = "; ".join(f"{k['plane']} {_size(k)} at {round(k['deg'], 6) % 360.0:.6g}" for k in run["mounted"])
         predicted = run["predicted"] or [{"amplitude": None, "phase_deg": None}] * len(run["readings"])
         for reading, expected in zip(run["readings"], predicted, strict=True):
             rows.append(
@@ -88,13 +86,20 @@ def measurement_csv(result: Measurement) -> str:
     return csv_text(rows)
 
 
+def _size(weight: Document) -> str:
+    return f"{weight['gmm']:.6g} g·mm" if weight["g"] is None else f"{weight['g']:.6g} g"
+
+
 def _run(result: Measurement, number: int, run: MeasuredRun) -> Document:
+    # Masses that count at radii of their own make up no mass at that of the plane.
+    elsewhere = {one.plane for each in result.job.runs for one in each.weights if one.radius is not None}
     return {
         "id": run.id,
         "time": run.time,
         "remark": run.remark,
         "mounted": [
             {"plane": plane.plane.id, **_weight(result, k, vector)}
+            | ({"g": None} if plane.plane.id in elsewhere else {})
             for k, (plane, vector) in enumerate(zip(result.planes, run.mounted.tolist(), strict=True))
             if vector
         ],

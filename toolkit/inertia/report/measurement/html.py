@@ -12,6 +12,7 @@ from inertia.balancing.shop_units import GRAM_MILLIMETRE
 from inertia.report.measurement.document import Document, measurement_document
 from inertia.report.measurement.text import (
     conventions_text,
+    figure,
     method_text,
     mounted_text,
     pieces_text,
@@ -20,7 +21,7 @@ from inertia.report.measurement.text import (
     weight_text,
     work_text,
 )
-from inertia.report.numerals import plain, significant
+from inertia.report.numerals import direction, plain
 from inertia.report.svg.polar import Arrow, key, polar
 from inertia.report.templates import templates
 
@@ -39,8 +40,8 @@ def certificate_html(result: Measurement) -> str:
     """
     environment = templates(
         "inertia.report.measurement",
-        significant=significant, reading=reading_text, weight=weight_text, mounted=mounted_text, pieces=pieces_text,
-        work=work_text, uncertainty=uncertainty_text, breakable=_breakable,
+        figure=figure, direction=direction, reading=reading_text, weight=weight_text, mounted=mounted_text,
+        pieces=pieces_text, work=work_text, uncertainty=uncertainty_text, breakable=_breakable,
     )  # fmt: skip
     document = measurement_document(result)
     return environment.get_template("certificate.html.j2").render(
@@ -89,7 +90,7 @@ def _machine_facts(document: Document) -> Iterator[tuple[str, str]]:
 def _plots(result: Measurement) -> Iterator[Markup]:
     """Yield a plot for each plane: as it was at first, and now with its uncertainty."""
     per = _GRAM if result.job.weighed_alone else GRAM_MILLIMETRE
-    first = result.runs[0].unbalance if len(result.runs) > 1 else None
+    first = result.runs[0].unbalance if len(result.runs) > 1 and result.estimate.tooling is None else None
     for k, plane in enumerate(result.planes):
         arrows = [] if first is None else [Arrow(complex(first[k]) / per, "before")]
         # Without a bound there is no disc that could be drawn.

@@ -7,7 +7,7 @@ from typing import Any
 
 from inertia.balancing.measured.measure import Measurement
 from inertia.report.measurement.document import Document, measurement_document
-from inertia.report.numerals import fixed, row, significant, wrapped
+from inertia.report.numerals import direction, fixed, row, significant, wrapped
 
 _NAMED = (("part", ""), ("serial", "serial "), ("revision", "revision "), ("customer", "for "))
 _MACHINE = (
@@ -45,7 +45,7 @@ def method_text(document: Document) -> str:
     """Return how the weights were found."""
     if document["method"] != "influence coefficients":
         return str(document["method"])
-    how = f"influence coefficients, {document['criterion']}, condition {significant(document['condition'])}"
+    how = f"influence coefficients, {document['criterion']}, condition {figure(document['condition'])}"
     if document["criterion"] == "min-max":
         how += f", the largest reading within {max(document['gap'], 1e-9):.0e} of the least possible"
     return how
@@ -58,20 +58,28 @@ def conventions_text(document: Document) -> str:
     return text + (f"; phases {conventions['phase']}" if "phase" in conventions else "")
 
 
+def figure(value: float) -> str:
+    """Return a value with four significant digits and three decimals at most, or below 0.01 with three digits.
+
+    >>> figure(9.99999999), figure(0.06), figure(0.00042)
+    ('10.00', '0.060', '0.000420')
+    """
+    rounded = float(f"{value:.3e}")
+    return significant(float(f"{value:.2e}"), 3, 9) if 0 < abs(rounded) < 0.01 else significant(rounded)
+
+
 def reading_text(reading: Document) -> str:
     """Return a reading as it is shown."""
     phase = reading["phase_deg"]
-    return significant(reading["amplitude"]) + ("" if phase is None else f" ∠ {fixed(phase, 1)}°")
+    return figure(reading["amplitude"]) + ("" if phase is None else f" ∠ {direction(phase)}°")
 
 
 def weight_text(weight: Document) -> str:
     """Return a weight, or an unbalance, at its angle."""
     sizes = [
-        f"{significant(weight[name])} {unit}"
-        for name, unit in (("g", "g"), ("gmm", "g·mm"))
-        if weight[name] is not None
+        f"{figure(weight[name])} {unit}" for name, unit in (("g", "g"), ("gmm", "g·mm")) if weight[name] is not None
     ]
-    return f"{' = '.join(sizes)} at {fixed(weight['deg'], 1)}°"
+    return f"{' = '.join(sizes)} at {direction(weight['deg'])}°"
 
 
 def mounted_text(run: Document) -> str:
@@ -104,11 +112,11 @@ def _planes(document: Document) -> Iterator[str]:
     yield f"{'Plane':<14}{f'unbalance, {shown}':>18}{'at':>9}{'± (95 %)':>11}{'limit':>11}  to add"
     for plane in document["planes"]:
         found = plane["unbalance"]
-        limit = "" if plane["permissible_gmm"] is None else significant(plane["permissible_gmm"])
+        limit = "" if plane["permissible_gmm"] is None else figure(plane["permissible_gmm"])
         expanded = plane[f"expanded_uncertainty_{unit}"]
         known, to_add = uncertainty_text(expanded), "nothing" if expanded is None else weight_text(plane["correction"])
         yield (
-            f"{plane['id']:<14}{significant(found[unit]):>18}{fixed(found['deg'], 1) + '°':>9}"
+            f"{plane['id']:<14}{figure(found[unit]):>18}{direction(found['deg']) + '°':>9}"
             f"{known:>11}{limit:>11}  {to_add}"
         )
     for k, tooling in enumerate(document["tooling"] or ()):
@@ -117,34 +125,36 @@ def _planes(document: Document) -> Iterator[str]:
 
 def uncertainty_text(uncertainty: float | None) -> str:
     """Return an uncertainty, or that the readings set it no bound."""
-    return "no bound" if uncertainty is None else significant(uncertainty)
+    return "no bound" if uncertainty is None else figure(uncertainty)
 
 
 def pieces_text(plane: Document) -> str:
     """Return what is to be mounted in a plane."""
     masses = []
     for piece in plane["pieces"]:
-        what = f"{piece['pieces']} × {piece['item']}" if piece["item"] else f"{significant(piece['g'])} g"
-        masses.append(f"{what} at {fixed(piece['deg'], 1)}°")
+        what = f"{piece['pieces']} × {piece['item']}" if piece["item"] else f"{figure(piece['g'])} g"
+        masses.append(f"{what} at {direction(piece['deg'])}°")
     return ", ".join(masses) or "nothing"
 
 
 def work_text(work: Document) -> str:
     """Return an operation on the rotor."""
-    size = f"{significant(work['mass_g'])} g = {significant(work['unbalance_gmm'])} g·mm"
+    mass, unbalance = figure(work["mass_g"]), f"{figure(work['unbalance_gmm'])} g·mm"
     item = "" if work["item"] is None else f" ({work['pieces']} × {work['item']})"
-    where = (
-        f"{fixed(work['job_angle_deg'], 1)}°, radius {significant(work['radius_mm'])} mm, z {fixed(work['z_mm'], 2)} mm"
-    )
-    tool = "" if work["tool_diameter_mm"] is None else f", Ø{significant(work['tool_diameter_mm'])}"
+    radius, center = figure(work["radius_mm"]), figure(work["unbalance_gmm"] / work["mass_g"])
+    # A hole goes in from its radius: what it takes has its centre farther in, and counts there.
+    size = f"{mass} g" if center == radius else f"{mass} g whose centre is at radius {center} mm"
+    begins = "radius" if center == radius else "from radius"
+    where = f"{direction(work['job_angle_deg'])}°, {begins} {radius} mm, z {fixed(work['z_mm'], 2)} mm"
+    tool = "" if work["tool_diameter_mm"] is None else f", Ø{figure(work['tool_diameter_mm'])}"
     depth = "" if work["depth_mm"] is None else f", {fixed(work['depth_mm'], 2)} mm deep"
-    return f"{work['id']}: {work['method']} {size}{item} at {where}{tool}{depth}"
+    return f"{work['id']}: {work['method']} {size} = {unbalance}{item} at {where}{tool}{depth}"
 
 
 def _work(document: Document) -> Iterator[str]:
     if document["corrected"] is not None:
         for k, work in enumerate(document["corrections"]):
-            yield row("" if k else "To do", work_text(work))
+            yield from wrapped("" if k else "To do", work_text(work))
         if not document["corrections"]:
             yield row("To do", "nothing")
         for k, sentence in enumerate(document["corrected"]["why"]):
@@ -158,7 +168,7 @@ def _work(document: Document) -> Iterator[str]:
 
 
 def _then(reading: Document) -> str:
-    return f"{reading['sensor']} {significant(reading['amplitude'])} {reading['unit']}"
+    return f"{reading['sensor']} {figure(reading['amplitude'])} {reading['unit']}"
 
 
 def _closing(document: dict[str, Any]) -> Iterator[str]:

@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from inertia.records import dataclass
 from inertia.report.balance.data import OperationRow, PlaneRow
-from inertia.report.numerals import fixed, plain
+from inertia.report.numerals import direction, fixed, plain
 from inertia.report.svg.canvas import Canvas, levels, text_width
 
 _WIDTH = 270.0
@@ -65,7 +65,7 @@ def _labelled(plane: PlaneRow, operations: Sequence[OperationRow]) -> tuple[list
     here = sorted((k for k in operations if k.plane == plane.id), key=lambda k: k.angle)
     deep: list[int] = []
     for with_angle in (True, False):
-        texts = [f"{k.id}: {fixed(k.angle, 1)}°" if with_angle else k.id for k in here]
+        texts = [f"{k.id}: {direction(k.angle)}°" if with_angle else k.id for k in here]
         widths = [text_width(text, _TEXT) + 1.0 for text in texts]
         places = [_inside(_x(k.angle), 0.5 * width) for k, width in zip(here, widths, strict=True)]
         deep = levels(places, widths)

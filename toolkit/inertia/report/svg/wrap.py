@@ -9,7 +9,7 @@ from itertools import pairwise
 from markupsafe import Markup
 
 from inertia.report.balance.data import OperationRow, PlaneRow
-from inertia.report.numerals import fixed, plain
+from inertia.report.numerals import direction, plain
 from inertia.report.svg.canvas import Canvas
 
 _WIDTH = 270.0
@@ -83,7 +83,7 @@ def _piece(
     for step, work in here:
         if work.ends is not None:
             continue
-        label = f"{step}: {fixed(shown(work.angle), 1)}°" if roomy else str(step)
+        label = f"{step}: {direction(shown(work.angle))}°" if roomy else str(step)
         _mark(canvas, label, work, (_LEFT + work.angle * degree - start, middle))
     title = f"plane {plane.id}, z {plain(plane.z, 2)} mm, Ø {plain(2 * (plane.radius or 0.0), 2)} mm"
     pieces = "" if count == 1 else f", piece {number + 1} of {count}"
@@ -126,7 +126,7 @@ def _arc(
             if a - 1e-9 <= x <= b + 1e-9 and (angle == low) == (x < 0.5 * (a + b)):
                 canvas.line((_LEFT + x - start, _TOP), (_LEFT + x - start, _TOP + _BAND), "thin")
                 place = (_LEFT + x - start + (1.0 if anchor == "start" else -1.0), _TOP + 6.6)
-                canvas.text(place, f"{fixed(shown(angle), 1)}°", size=_TEXT, anchor=anchor, style="halo")
+                canvas.text(place, f"{direction(shown(angle))}°", size=_TEXT, anchor=anchor, style="halo")
 
 
 def _ruler(canvas: Canvas) -> None:
