@@ -3,6 +3,7 @@
 import math
 
 import mpmath
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -142,3 +143,26 @@ def test_neighbouring_radial_holes_keep_their_web_at_the_deepest_shoulder():
     plane = drilled("I", 90, 100, 12, max_depth=30)
     tool = RadialDrill(plane, STEEL, diameter=0.012)
     assert 2 * 0.07 * math.sin(tool.apart_at(tool.greatest) / 2) == pytest.approx(0.012 + plane.web)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_radial_holes_of_other_depths_keep_their_web(seed):
+    """By the distance of points of both axes: at the depth that is named it is what is asked for, and less beyond."""
+    rng = np.random.default_rng(seed)
+    radius, need, away = 0.1, rng.uniform(0.005, 0.08), rng.uniform(0.05, math.pi)
+    setting = rng.uniform(0.0, 0.095)
+    tool = RadialDrill(drilled("I", 90, 100, 12, max_depth=90), STEEL, diameter=0.012)
+    (depth,) = tool.depth_beside(need, np.array([away]), setting).tolist()
+
+    def apart(deep):
+        one = np.linspace(radius - deep, radius, 4001)[:, None] * [1.0, 0.0]
+        along = np.array([math.cos(away), math.sin(away)])
+        foot = np.clip(one @ along, radius - setting, radius)
+        return np.linalg.norm(one - foot[:, None] * along, axis=1).min()
+
+    if depth < 0:
+        assert apart(0.0) < need
+    else:
+        assert apart(min(depth, radius)) >= need * (1 - 1e-9)
+        if depth < radius:
+            assert apart(depth + 1e-5) < need

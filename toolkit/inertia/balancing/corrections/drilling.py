@@ -127,10 +127,11 @@ class Drill(Tool):
         """Return where holes at angles (m,) rad begin and where they go, (m, 3) each, in shaft axes and m."""
 
     @abstractmethod
-    def depth_apart(self, need: float, away: Float) -> Float:
-        """Return how deep two holes of this plane may both go, (m,) m, that have angles (m,) rad between them.
+    def depth_beside(self, need: float, away: Float, setting: float) -> Float:
+        """Return how deep a hole may go, (m,) m, at angles (m,) rad, 0 … π, from one of this plane that is `setting`
+        deep, so that their axes come no nearer than `need`, in m.
 
-        Their axes then come no nearer than `need`, in m. Negative where they are too near from the beginning.
+        Negative where they are too near from the beginning, infinite where they are never.
         """
 
     def _deepest(self, unless: float) -> float:
@@ -184,10 +185,14 @@ class RadialDrill(Drill):
         outward = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
         return self.radius * outward + [0.0, 0.0, self.plane.z], -outward
 
-    def depth_apart(self, need: float, away: Float) -> Float:
-        """Two axes are 2 s sin(ψ/2) apart at the distance s from the shaft."""
-        with np.errstate(divide="ignore"):
-            return self.radius - 0.5 * need / np.sin(0.5 * np.abs(away))
+    def depth_beside(self, need: float, away: Float, setting: float) -> Float:
+        """What is nearest of the other axis is its end, at r, or the foot on it: the deeper end is r sin ψ away."""
+        end, cosine, sine = self.radius - setting, np.cos(away), np.sin(away)
+        level = end * cosine + np.sqrt(np.maximum(need**2 - (end * sine) ** 2, 0.0))
+        foot = level * cosine > end
+        level = np.where(foot, np.divide(need, sine, out=np.full_like(sine, math.inf), where=sine > 0), level)
+        never = (end * sine >= need * (1 - 1e-12)) | (level <= 0)
+        return np.where(never, math.inf, self.radius - level)
 
     def unbalance(self, setting: float) -> float:
         """Return the unbalance taken, from a round face, kg m."""
@@ -267,7 +272,7 @@ class AxialDrill(Drill):
         starts = np.column_stack([radius * np.cos(angles), radius * np.sin(angles), np.full(len(angles), self.entry)])
         return starts, np.tile(self._ahead, (len(angles), 1))
 
-    def depth_apart(self, need: float, away: Float) -> Float:
+    def depth_beside(self, need: float, away: Float, setting: float) -> Float:
         """Their axes run beside each other."""
         return np.where(2 * self.radius * np.sin(0.5 * np.abs(away)) >= need * (1 - 1e-12), math.inf, -1.0)
 

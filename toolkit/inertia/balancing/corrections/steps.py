@@ -155,11 +155,10 @@ def _between_drills(tool: Drill, angles: Float, past: float, other: Drill, angle
     start, direction = (k[0] for k in other.axes(np.array([angle])))
     deepest = tool.greatest + past
     setting, other = setting + other.start, replace(other, start=0.0)
-    # Both holes of one plane run towards the shaft or along it: nearest where the shallower one ends.
-    if tool.plane.id == other.plane.id:
+    if tool.plane.id == other.plane.id:  # both run towards the shaft, or along it
         away = np.abs((angles - angle + math.pi) % FULL_TURN - math.pi)
-        common = tool.depth_apart(need, away)
-        return np.where(common >= setting - _SAME, math.inf, np.where(common >= 0, common, -math.inf))
+        depth = tool.depth_beside(need, away, setting)
+        return np.where(depth >= 0, depth, -math.inf)
     if np.linalg.norm(starts - start, axis=1).min() > need + deepest + setting:
         return np.full(len(angles), math.inf)
     places = deepest * np.arange(_ALONG + 1) / _ALONG
