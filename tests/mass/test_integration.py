@@ -13,7 +13,7 @@ from tests.benchmarks.meshes import wavy_torus
 from tests.mass.parts import assert_within_bound, cells, cube, exact, facets, surface, weighed
 
 import inertia
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import GeometryError, ReadError, UsageError
 from inertia.mass import integration
 from inertia.mesh.geometry.closure import closure
 from inertia.mesh.geometry.simple import at_hand
@@ -327,6 +327,25 @@ class TestShells:
     def test_sheets_apart_are_bodies(self):
         assert inertia.analyse(surface(cube()[:2], cube(5)[:2]), shell=1.0).bodies == 2
 
+    @pytest.mark.parametrize(
+        ("again", "edges", "pair"),
+        [
+            (cube()[:2], 5, "0 and 12"),
+            (cube()[:2, ::-1], 5, "0 and 12"),
+            (cube()[:1, [1, 2, 0]], 3, "0 and 12"),
+            ([[[0, 0, 0], [0, 1, 0], [1, 0, 0]], [[1, 1, 0], [1, 0, 0], [0, 1, 0]]], 4, "0 and 12"),  # split anew
+            ([[[0, 0, 0], [1, 0, 0], [1, 0.001, 1]]], 0, ""),
+            ([[[0, 0, 0], [1, 0, 0], [0, -1, 0]]], 0, ""),
+            ([[[0, 0, 0], [1, 0, 0], [0.5, 0, 0]]], 0, ""),
+        ],
+    )
+    def test_area_that_is_there_twice_is_told(self, again, edges, pair):
+        """The first two triangles are the floor of a cube, split from (0, 0, 0)."""
+        notes = inertia.analyse(surface(cube(), np.array(again, float)), 1.0, shell=1.0).notes
+        says = f"triangles lie on one another at {edges} edges, the first being triangles {pair} around"
+        assert [note for note in notes if note.startswith(says)] == list(notes)
+        assert len(notes) == (edges > 0)
+
     def test_regions_of_a_shell_have_densities(self):
         part = surface(cube()[:2], cube()[2:], regions=["floor", "rest"])
         result = inertia.analyse(part, {"floor": 100, "": 1}, shell=1.0)
@@ -377,6 +396,13 @@ class TestWiresAndPoints:
         part = cells("line", *np.stack([corners[:-1], corners[1:]], axis=1))
         frame = inertia.wire(corners, 1.0)
         np.testing.assert_allclose(inertia.mass_properties(part, 1.0, wire=1.0).inertia, frame.inertia, atol=1e-13)
+
+    def test_a_line_that_is_there_twice_is_told(self):
+        there, back = [[0, 0, 0], [3, 0, 0]], [[3, 0, 0], [0, 0, 0]]
+        part = cells("line", there, [[0, 0, 0], [0, 4, 0]], back)
+        says = "1 line stored again, the first being cell 2 around (1.5, 0.0, 0.0), so that the length counts twice"
+        assert inertia.analyse(part, 1.0, wire=1.0).notes == (f"{says}: remove the copies",)
+        assert [(each.code, each.severity) for each in inertia.check(part).findings] == [("duplicate_cell", "warning")]
 
     @pytest.mark.parametrize("names", [("copper", "steel"), ("1", "2")])
     def test_regions_of_a_wire_have_densities(self, names):
@@ -435,8 +461,41 @@ class TestWiresAndPoints:
         for kind, nodes in (("line", [[0, 0, 0], [1, 0, 0]]), ("vertex", [[0, 0, 0]])):
             with pytest.raises(GeometryError, match=r"bar.vtk holds lines or points only, .*wire=AREA"):
                 inertia.analyse(cells(kind, nodes))
-        with pytest.raises(GeometryError, match=r"bracket.obj holds no lines for a wire"):
+        with pytest.raises(GeometryError, match=r"bracket.obj holds no lines for a wire \(lines beside faces are not"):
             inertia.analyse(surface(cube()), wire=1.0)
+
+    def test_lines_of_surface_formats_are_wires_where_there_are_no_faces(self, tmp_path):
+        """A bar of 3 along x, one of 4 along y and, in a region of its own, one of 5 along z."""
+        points = "v 0 0 0\nv 3 0 0\nv 3 4 0\n"
+        two = f"{points}o a\nl 1 2/7 3\no b\nv 0 0 0\nv 0 0 5\nl -2 -1\np 1\n"
+        (tmp_path / "a.obj").write_text(two)
+        part = inertia.read(tmp_path / "a.obj", unit="m")
+        assert part.notes == ("1 point element beside the lines was left out",)
+        assert shares(inertia.analyse(part, {"a": 1, "b": 2}, wire=1.0)) == {"a": (1.0, 7.0), "b": (2.0, 5.0)}
+        header = "ply\nformat {} 1.0\nelement vertex 3\n" + "".join(f"property double {k}\n" for k in "xyz")
+        header += "element face 0\nproperty list uchar int vertex_indices\nelement edge 2\n"
+        header += "property int vertex1\nproperty int vertex2\nend_header\n"
+        (tmp_path / "a.ply").write_text(header.format("ascii") + "0 0 0 3 0 0 3 4 0\n0 1 1 2\n")
+        rows = np.array([0, 0, 0, 3, 0, 0, 3, 4, 0], "<f8").tobytes() + np.array([0, 1, 1, 2], "<i4").tobytes()
+        (tmp_path / "b.ply").write_bytes(header.format("binary_little_endian").encode() + rows)
+        for name in ("a.ply", "b.ply"):
+            properties = inertia.mass_properties(inertia.read(tmp_path / name, unit="m"), 1.0, wire=1.0)
+            assert properties.mass == 7
+            np.testing.assert_allclose(properties.center_of_mass, [(4.5 + 12) / 7, 8 / 7, 0], rtol=1e-15)
+
+    @pytest.mark.parametrize(
+        ("name", "text", "says"),
+        [
+            ("a.obj", "v 0 0 0\nl 1\n", "line 0 has fewer than two vertices"),
+            ("a.obj", "v 0 0 0\nl 1 2\n", "line 0 names vertex 2, but the vertices are 1 to 1"),
+            ("a.ply", "element edge 1\nproperty int a\nend_header\n0 0 0\n1\n", "edges have no vertex1 and vertex2"),
+        ],
+    )
+    def test_lines_that_are_damaged_are_refused(self, name, text, says, tmp_path):
+        head = "ply\nformat ascii 1.0\nelement vertex 1\n" + "".join(f"property float {k}\n" for k in "xyz")
+        (tmp_path / name).write_text(head + text if name == "a.ply" else text)
+        with pytest.raises(ReadError, match=says):
+            inertia.read(tmp_path / name)
 
     @pytest.mark.parametrize("section", [0, -1, math.nan])
     def test_an_unusable_section_is_refused(self, section):

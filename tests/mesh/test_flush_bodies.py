@@ -5,6 +5,7 @@ an edge in common, material lies on material there, or a gap between, as roundin
 """
 
 from itertools import product
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -279,3 +280,34 @@ def test_bodies_with_edges_in_common_and_a_corner_that_is_no_usable_number_are_r
         with pytest.raises(inertia.GeometryError) as refusal:
             inertia.analyse(part, **options)
         assert refusal.value.code == "non_finite"
+
+
+STAIRS = {(i, j, k) for i, j, k in product(range(4), repeat=3) if k <= i}
+
+
+@pytest.mark.parametrize("parts", ["together", "separate"])
+@pytest.mark.parametrize("single", [False, True])
+@pytest.mark.parametrize("seed", range(4))
+def test_bodies_on_another_in_whose_box_they_lie(
+    seed: int, single: bool, parts: Literal["together", "separate"]
+) -> None:
+    rng = np.random.default_rng(seed)
+    solids = [voxels(STAIRS, rng)]
+    low, high = np.array([1.2, 0.3, 2.0]), np.array([1.8, 0.8, 3.5])
+    solids += [box(low + step, high + step, rng) for step in np.eye(3)[1] * [[0.0], [1.0], [2.0]]]
+    analysis = inertia.analyse(Part(placed(solids, rng, single=single)), parts=parts)
+    assert analysis.bodies == 4
+    assert analysis.properties.volume == pytest.approx(1e-9 * sum(map(volume_of, solids)), rel=1e-5)
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-13, -1e-13, 1e-8, -1e-8, 4e-7])
+def test_a_body_that_lies_on_a_wall_from_inside_shares_space(off: float) -> None:
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        inner = box(np.array([1.2, 1.1, off]), np.array([1.9, *rng.uniform([1.5, 0.2], [3.9, 1.9])]), rng)
+        surface = placed([voxels(STAIRS, rng), inner], rng, single=False)
+        [doubt] = inertia.check(Part(surface), parts="separate").doubts
+        assert doubt.doubt is not None
+        assert doubt.doubt.volume == pytest.approx(volume_of(inner), rel=1e-5)
+        with pytest.raises(inertia.GeometryError, match="inside another"):
+            inertia.analyse(Part(surface))

@@ -8,10 +8,13 @@ from tests.benchmarks.extremes.cases import ball
 from tests.benchmarks.meshes import wavy_torus
 
 import inertia
+from inertia.mesh.geometry import simple as module
 from inertia.mesh.geometry.closure import vectorised_closure
 from inertia.mesh.geometry.intersect import vectorised_crossings
-from inertia.mesh.geometry.simple import MOST, at_hand, simple
+from inertia.mesh.geometry.simple import MOST, at_hand, not_simple, simple
 from inertia.mesh.surface import Surface
+
+from ..self_crossing import pentagram
 
 pytestmark = pytest.mark.skipif(not at_hand(), reason="the pass is a compiled one")
 
@@ -213,3 +216,17 @@ def test_what_lies_around_one_place_is_left_to_who_looks_for_crossings() -> None
     volume = sides * np.sin(2 * np.pi / sides) / 3
     assert analysis.properties.volume == pytest.approx(volume, rel=1e-13)
     assert inertia.mass_properties(part).volume == analysis.properties.volume
+
+
+@pytest.mark.parametrize("most", [MOST, 20, 5])
+def test_only_shells_that_cross_themselves_are_left(most: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    shells = [ball(1), pentagram(), ball(1), ball(0), pentagram()]
+    starts = np.cumsum([0, *(len(vertices) for vertices, _ in shells)])
+    vertices = np.concatenate([points + np.array([0, 0, 3.0 * k]) for k, (points, _) in enumerate(shells)])
+    faces = np.concatenate([own + start for (_, own), start in zip(shells, starts, strict=False)])
+    order = np.random.default_rng(0).permutation(len(faces))
+    labels = np.repeat(np.arange(5), [len(own) for _, own in shells])[order].astype(np.int32)
+    monkeypatch.setattr(module, "MOST", most)
+    left = not_simple(Surface(vertices, faces[order]), labels, np.flatnonzero(labels != 4))
+    large = np.array([len(own) > most for _, own in shells])
+    assert left.tolist() == np.flatnonzero(((labels == 1) | large[labels]) & (labels != 4)).tolist()

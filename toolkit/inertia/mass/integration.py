@@ -17,12 +17,13 @@ from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, arithmetics, shell_moments, solid_moments
 from inertia.mass.triangles.block_sums import sum_block
 from inertia.mass.triangles.sums import SummedFacets, Sums, sum_triangles
+from inertia.mesh.checks.doubled_faces import doubled_faces
 from inertia.mesh.checks.findings import Finding, Report, around, middle
 from inertia.mesh.geometry.closure import Closure, closure, paired_by_keys
 from inertia.mesh.geometry.intersect import crosses, to_be_examined
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells, soundly_nested
 from inertia.mesh.geometry.shells import bodies as bodies_of
-from inertia.mesh.geometry.simple import MOST, PIECES, SIMPLE, at_hand, simple, states
+from inertia.mesh.geometry.simple import MOST, PIECES, SIMPLE, at_hand, not_simple, states
 from inertia.mesh.geometry.sound_shells import Nesting, nesting_of
 from inertia.mesh.part import Cells, Part, Regions
 from inertia.mesh.shape import Solid
@@ -183,8 +184,8 @@ def surface_integrals(
         return
     examined = not shell and to_be_examined(triangles, intersections, topology.crowded)
     report = near
-    if examined and not proven and not _simple(triangles, topology, apart, looked):
-        crossed, examined = _crossed(triangles, topology, apart, intersections)
+    if examined and not proven:
+        crossed, examined = _crossed(triangles, topology, apart, intersections, looked)
         if crossed:
             report = _sound(part, intersections, parts, allowance, absolute)
     integral = Integral(
@@ -196,6 +197,7 @@ def surface_integrals(
         bodies=len(bodies_of(pieces)) if pieces else nesting.bodies if nesting else topology.components,
         area=surface_area(sums),
         extents=extents,
+        notes=_twice(triangles) if shell else (),
         crossings_examined=examined or (proven and not shell),
     )
     for k, arithmetic in enumerate(tries[:2] if shell else tries):
@@ -214,6 +216,15 @@ def surface_integrals(
             yield replace(integral, groups=groups, method=METHODS[arithmetic], doubts=doubts)
         elif arithmetic == tries[-1]:
             refuse_flat(part, whole, extents)
+
+
+def _twice(triangles: Triangles) -> tuple[str, ...]:
+    """Return a note where a shell has area that lies on its own."""
+    where = doubled_faces(triangles)
+    if where is None:
+        return ()
+    remedy = "leave copies and backs out, or give half the thickness of a sheet that has both its sides all over"
+    return (f"{where}, and the area of each counts: {remedy}",)
 
 
 def _looked_at(triangles: Triangles, intersections: bool | None) -> int | None:
@@ -235,34 +246,27 @@ def _state(triangles: Triangles) -> int:
     return int(states(triangles.corners().reshape(-1, 3), np.arange(3 * count).reshape(-1, 3), table)[0])
 
 
-def _simple(triangles: Triangles, topology: Closure, apart: bool, looked: int | None) -> bool:
-    """Say whether a pass shows a surface to be free of crossings; `apart`, where no shells meet, shell by shell."""
-    if triangles.count > MOST or topology.open_edges or topology.crowded or not at_hand():
-        return False
-    shell_by_shell = apart and not topology.repeated
-    if looked is not None and (looked <= PIECES or not shell_by_shell):
-        return looked <= PIECES
-    if not shell_by_shell:
-        return _state(triangles) <= PIECES
-    corners = triangles.corners()[np.argsort(topology.labels, kind="stable")].reshape(-1, 3)
-    sizes = np.bincount(topology.labels)
-    first = np.cumsum(sizes) - sizes
-    faces = (np.arange(len(corners)) - 3 * np.repeat(first, 3 * sizes)).reshape(-1, 3)
-    return bool(simple(corners, faces, np.column_stack([3 * first, 3 * sizes, first, sizes]), pieces=True).all())
-
-
-def _crossed(triangles: Triangles, topology: Closure, apart: bool, intersections: bool | None) -> tuple[bool, bool]:
+def _crossed(
+    triangles: Triangles, topology: Closure, apart: bool, intersections: bool | None, looked: int | None
+) -> tuple[bool, bool]:
     """Say whether triangles cross, and whether all were looked through; `apart`, where what shells do is known.
 
     Of a surface that is not looked through without being asked, the shells with edges of more than two triangles are.
     """
+    if looked is not None and looked <= PIECES:
+        return False, True
+    by_a_pass = not topology.open_edges and at_hand()
     if not apart or topology.components == 1:
-        return crosses(triangles), True
+        once_through = by_a_pass and looked is None and not topology.crowded and triangles.count <= MOST
+        return not (once_through and _state(triangles) <= PIECES) and crosses(triangles), True
     labels = topology.labels
-    if to_be_examined(triangles, intersections):
-        return crosses(triangles, labels=labels), True
-    which = np.flatnonzero(np.isin(labels, np.unique(labels[topology.at_crowded])))
-    return crosses(triangles.select(which), labels=labels[which]), len(which) == len(labels)
+    which = np.arange(len(labels))
+    if not to_be_examined(triangles, intersections):
+        which = np.flatnonzero(np.isin(labels, np.unique(labels[topology.at_crowded])))
+    examined = len(which) == len(labels)
+    if by_a_pass and not topology.repeated:
+        which = not_simple(triangles, labels, which)
+    return crosses(triangles.select(which), labels=labels[which]), examined
 
 
 def _sound(part: Part, intersections: bool | None, parts: Parts, allowance: float, turned: bool) -> Report:
@@ -484,17 +488,22 @@ def wire_integrals(part: Part, named: Collection[str], progress: Progress | None
 
     cells = part.geometry
     if not isinstance(cells, Cells) or not any(block.kind.startswith("line") for block in cells.blocks):
-        raise GeometryError(f"{part.name} holds no lines for a wire: leave ", _ANY_WIRE, " out, or use ", SHELL)
+        beside = "" if isinstance(cells, Cells) else " (lines beside faces are not read)"
+        raise GeometryError(f"{part.name} holds no lines for a wire{beside}: leave ", _ANY_WIRE, " out, or use ", SHELL)
     regions = part.regions
     if named:  # where the file names no region, the whole is body 1, as one body of triangles is
         refuse_unknown(named, ["1"] if regions is None else [], regions)
     names, index = _named_regions(regions) if named and regions is not None else (("1",), None)
+    notes: tuple[str, ...] | None = None
     methods = dict(_WIRE_METHODS)
     if any(block.kind == "line3" for block in cells.blocks):
         del methods["double-double"]
     for arithmetic, method in methods.items():
         with naming(part):
             moments = wire_moments(cells, index, len(names), arithmetic, part.rounding)
+        if notes is None:  # the nodes are known to be there
+            found = (each for each in _check(part).findings if each.code == "duplicate_cell")
+            notes = tuple(each.message for each in found if each.severity == "warning")
         if progress is not None:
             progress(1.0)
         yield Integral(
@@ -506,6 +515,7 @@ def wire_integrals(part: Part, named: Collection[str], progress: Progress | None
             bodies=1,
             area=0.0,
             extents=_extents(cells),
+            notes=notes,
         )
 
 

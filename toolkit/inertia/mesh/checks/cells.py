@@ -170,6 +170,17 @@ class CellTopology:
             return None
         return Evidence(len(which), listed(which), self._middle(corners[which[0]]))
 
+    def repeated_lines(self) -> Evidence | None:
+        """Find lines that repeat an earlier one, whichever way they run."""
+        rows = np.full((self.cells.count, 3), -1)
+        for start, block in numbered_blocks(self.cells):
+            if block.kind in ("line", "line3"):
+                own = np.arange(start, start + len(block.nodes))
+                nodes = self.merged[block.nodes]
+                rows[own, :2], rows[own, 2:] = np.sort(nodes[:, :2], axis=1), nodes[:, 2:] if nodes.shape[1] > 2 else -1
+        which = np.flatnonzero((first_equal(rows) != np.arange(len(rows))) & (rows[:, 0] >= 0))
+        return Evidence(len(which), listed(which), self._middle(rows[which[0], :2])) if len(which) else None
+
     def overlaps(self) -> Evidence | None:
         """Find faces of more than two cells."""
         volume = self._volume_cells

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import chain, groupby
 
 import numpy as np
@@ -14,7 +15,7 @@ from inertia.mesh.checks.near_bodies import Pair, meeting_boxes, near_bodies
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.doubt import Doubt
 from inertia.mesh.geometry.closure import Closure, closure
-from inertia.mesh.geometry.contact_depth import CONTACT, contact_depth
+from inertia.mesh.geometry.contact_depth import CONTACT
 from inertia.mesh.geometry.edges import Place
 from inertia.mesh.geometry.faces import components
 from inertia.mesh.geometry.halfedges import half_edges
@@ -24,6 +25,7 @@ from inertia.mesh.geometry.shells import (
     absolute_orientation,
     members,
 )
+from inertia.mesh.geometry.simple import at_hand, not_simple
 from inertia.mesh.geometry.winding import misplaced_volume
 from inertia.mesh.surface import Surface
 from inertia.once import once
@@ -40,6 +42,10 @@ _TRIED = 3  # places on a patch at which the winding number is asked for
 _CLEAR = 100.0  # how many times deeper than a contact rays must find a crossing, to leave no doubt that it is one
 _CROSSINGS = 10_000  # crossings listed
 _ROUNDING = 1e-13  # of a volume: less than that is what rays find by rounding alone
+
+
+_InColumns = tuple[Pair, tuple[Int, Int]]
+"""Two bodies, and the triangles of each above and below the other's box."""
 
 
 def overlapping_bodies(surface: SurfaceTopology) -> Evidence | None:
@@ -90,7 +96,7 @@ def _shared(surface: SurfaceTopology, pairs: Sequence[Pair], asked: Sequence[int
     most = np.minimum(smaller, _within(some, np.array([pair.depth for pair in some])))
     shared = {k: (least, False) for k, least in zip(asked, most.tolist(), strict=True)}
     more = np.flatnonzero(most > _NEXT_TO_NONE * smaller).tolist()
-    volumes = common_volumes(pairs[0].corners, [some[at].groups for at in more])
+    volumes = common_volumes(pairs[0].corners, [some[at].in_columns(range(3)) for at in more])
     for at, measured in zip(more, volumes, strict=True):
         pair, least = some[at], float(most[at])
         if measured is not None:
@@ -99,7 +105,7 @@ def _shared(surface: SurfaceTopology, pairs: Sequence[Pair], asked: Sequence[int
             continue
         if not surface.separate:
             size = float(np.ptp(pair.boxes, axis=1).max(axis=1).min())
-            depth = contact_depth(surface.vertices, size)
+            depth = max(CONTACT * size, surface.digits)
             least = min(least, float(_within([pair], np.array([depth]))[0]))
         shared[asked[at]] = least, True
     return shared
@@ -142,12 +148,12 @@ def _sharing_space(surface: SurfaceTopology, *, alike: bool) -> Evidence | None:
         if truncated := len(first) >= 2 * SHARING:
             break
         sure = _sure_to_share(several) if places and surface.chord is None else np.zeros(len(several), bool)
-        for pair, shared in zip(several, sure.tolist(), strict=True):
+        for (pair, columns), shared in zip(several, sure.tolist(), strict=True):
             if not shared:
-                a, b = (pair.surface.select(which) for which in pair.columns)
+                a, b = (pair.surface.select(which) for which in columns)
                 place = overlap(a, b)
                 if place is None:
-                    place = _place_at_edges(surface, pair.groups, pair.boxes)
+                    place = _place_at_edges(surface, pair)
                 if place is None:
                     continue
                 places.append(place)
@@ -163,16 +169,16 @@ def _sharing_space(surface: SurfaceTopology, *, alike: bool) -> Evidence | None:
     return Evidence(len(first) // 2, listed(np.array(first)), places[0], figures, advice=advice)
 
 
-def _several_at_once(surface: SurfaceTopology, *, alike: bool) -> Iterator[list[Pair]]:
+def _several_at_once(surface: SurfaceTopology, *, alike: bool) -> Iterator[list[_InColumns]]:
     """Yield pairs of bodies that may share more than next to nothing: the first, and then several at a time."""
     least = SLIVER * sum(abs(shell.signed_volume) for shell in surface.shells)
-    several: list[Pair] = []
+    several: list[_InColumns] = []
     triangles, most = 0, 0
     for pair in chain.from_iterable(near_bodies(surface, alike=alike)):
         if pair.depth < np.inf or _smaller(surface, pair.groups) <= least:
             continue
-        several.append(pair)
-        triangles += sum(map(len, pair.columns))
+        several.append((pair, pair.in_columns([2])))
+        triangles += sum(map(len, several[-1][1]))
         if triangles > most:
             yield several
             several, triangles, most = [], 0, TOGETHER
@@ -180,11 +186,11 @@ def _several_at_once(surface: SurfaceTopology, *, alike: bool) -> Iterator[list[
         yield several
 
 
-def _sure_to_share(pairs: list[Pair]) -> Bool:
+def _sure_to_share(several: list[_InColumns]) -> Bool:
     """Say of which pairs one look shows that they share space."""
     from inertia.mesh.geometry.common_places import sure_to_share
 
-    used = [pair.columns for pair in pairs]
+    pairs, used = zip(*several, strict=True)
     ends = np.cumsum([len(which) for both in used for which in both]).tolist()
     ranges = [np.arange(start, stop) for start, stop in zip([0, *ends], ends, strict=False)]
     boxes = np.array([pair.boxes for pair in pairs])
@@ -219,7 +225,7 @@ def overlap_at_edges(surface: SurfaceTopology) -> Evidence | None:
     if len(surface.duplicates[0]):  # which are an error by themselves
         return None
     body_of = surface.body_of
-    which = surface.edges.at_crowded
+    which = surface.crowded
     labels = surface.closure.labels[which]
     inverted = np.isin(labels, [shell.number for shell in surface.in_state("inverted")])
     first, places = _layered(surface, which, body_of[labels], inverted, float(np.ptp(surface.box, axis=0).max()))
@@ -228,25 +234,20 @@ def overlap_at_edges(surface: SurfaceTopology) -> Evidence | None:
     return Evidence(len(first), listed(np.unique(first)), middle(places[np.lexsort(places.T)[:1]]))
 
 
-def _place_at_edges(surface: SurfaceTopology, groups: Sequence[Int], boxes: Float) -> Place | None:
+def _place_at_edges(surface: SurfaceTopology, pair: Pair) -> Place | None:
     """Return the middle of an edge that two bodies have in common and around which they share space."""
-    crowded, shared = np.zeros(len(surface.faces), bool), np.ones(len(surface.vertices), bool)
-    crowded[surface.edges.at_crowded] = True
-    own = [group[crowded[group]] for group in groups]
-    for group in own:
-        used = np.zeros_like(shared)
-        used[surface.faces[group]] = True
-        shared &= used
+    own = [which[np.isin(which, surface.crowded)] for which in pair.inside_boxes]
+    shared = np.intersect1d(surface.faces[own[0]], surface.faces[own[1]])
     which = np.sort(np.concatenate(own))
-    which = which[shared[surface.faces[which]].sum(axis=1) > 1]  # all that have an edge between two such vertices
+    which = which[np.isin(surface.faces[which], shared).sum(axis=1) > 1]  # with an edge between two such vertices
     turned = np.isin(surface.closure.labels[which], absolute_orientation(surface.shells))
-    size = float(np.ptp(boxes, axis=1).max(axis=1).min())
+    size = float(np.ptp(pair.boxes, axis=1).max(axis=1).min())
     _, places = _layered(surface, which, np.zeros(len(which), np.int64), turned, size, shared)
     return middle(places[np.lexsort(places.T)[:1]]) if len(places) else None
 
 
 def _layered(
-    surface: SurfaceTopology, which: Int, body: Int, turned: Bool, size: float, ends: Bool | None = None
+    surface: SurfaceTopology, which: Int, body: Int, turned: Bool, size: float, ends: Int | None = None
 ) -> tuple[Int, Float]:
     """Return a triangle at each edge around which the material of a body counts twice, and the middle of the edge.
 
@@ -257,8 +258,8 @@ def _layered(
     if len(which) == 0:
         return np.empty(0, np.int64), np.empty((0, 3))
     faces = surface.faces[which]
-    contact, edges = contact_depth(surface.vertices, size), half_edges(faces)
-    among = None if ends is None else ends[edges.tail] & ends[edges.head]
+    contact, edges = max(CONTACT * size, surface.digits), half_edges(faces)
+    among = None if ends is None else np.isin(edges.tail, ends) & np.isin(edges.head, ends)
     first, places = crowded(surface.vertices, faces, edges, body, turned, contact, among)
     return which[first], places
 
@@ -305,13 +306,19 @@ def _meeting_cavities(surface: SurfaceTopology) -> Iterator[tuple[Body, list[tup
 
 def self_intersections(surface: SurfaceTopology) -> Evidence | None:
     """Find triangles of one shell (of any piece, where there are no shells) that cross each other."""
-    from inertia.mesh.geometry.intersect import crossings
+    from inertia.mesh.geometry.intersect import Crossings, crossings
 
     triangles = surface.triangles
     labels = surface.closure.labels if surface.shells else None
-    pairs = once(
-        ("crossings", labels is None), triangles, lambda: crossings(triangles, limit=_CROSSINGS, labels=labels)
-    )
+
+    def found() -> Crossings:
+        if labels is None or surface.closure.repeated or not at_hand():
+            return crossings(triangles, limit=_CROSSINGS, labels=labels)
+        which = not_simple(triangles, labels, np.arange(len(labels)))
+        among = crossings(triangles.select(which), limit=_CROSSINGS, labels=labels[which])
+        return replace(among, pairs=which[among.pairs])
+
+    pairs = once(("crossings", labels is None), triangles, found)
     pair, count = pairs.pairs, len(pairs.pairs)
     if not count:
         return None
@@ -376,7 +383,7 @@ def _shallow(surface: SurfaceTopology, crossed: Int) -> float:
     sides = corners[:, 1:] - corners[:, :1]
     area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum() / 2
     size = min(float(np.ptp(surface.shells[k].box, axis=0).max()) for k in np.unique(surface.closure.labels[crossed]))
-    return float(contact_depth(surface.vertices, size) * area)
+    return float(max(CONTACT * size, surface.digits) * area)
 
 
 def _wrong_patches(corners: Float, rest: Int, patches: Closure) -> Int:

@@ -287,7 +287,7 @@ KINDS = (
         "volume", "zero_volume", "error",
         _no_volume,
         "no volume: the surface {around} folds back on itself everywhere",
-        ("use ", SHELL, ", or export a solid"),
+        ("use ", SHELL, " (half of it, as both sides count), or export a solid"),
     ),
     Kind(
         "shells", "inward", "error",
@@ -412,6 +412,12 @@ KINDS = (
         "cells", "duplicate_cell", "error",
         CellTopology.duplicates,
         "{count:cell} stored again, the first being cell {first} {around}, so that the volume counts twice",
+        ("remove the copies",),
+    ),
+    Kind(
+        "cells", "duplicate_cell", "warning",
+        CellTopology.repeated_lines,
+        "{count:line} stored again, the first being cell {first} {around}, so that the length counts twice",
         ("remove the copies",),
     ),
     Kind(

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import partial
-from typing import NamedTuple, TypeVar
+from functools import cached_property, partial
+from typing import TypeVar
 
 import numpy as np
 
@@ -13,48 +13,68 @@ from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.boxes import BoxTree, nested, overlapping
 from inertia.mesh.geometry.contact_depth import contact_depths
 from inertia.mesh.geometry.shells import Body, members
+from inertia.mesh.geometry.winding import windings
 from inertia.mesh.surface import Surface
 from inertia.once import once
+from inertia.records import dataclass
 
 _T = TypeVar("_T")
-_AT_ONCE = 1 << 18  # triangles compared with boxes of other bodies at a time
+_AT_ONCE = 1 << 18  # triangles near other bodies that are compared at a time
+_LARGE = 1 << 10  # triangles of a body that are looked for by a tree, among all of them
+_SAMPLES = 32  # triangles of a body, of which one may show that it does not lie in another
 _KEPT = 4  # times that many, of which what was found is kept for another look: tens of megabytes
 
 
-class Pair(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Pair:
     """Two bodies that come near each other.
 
     Attributes
     ----------
-    surface : with every shell turned as its depth asks, and the `corners` (n, 3, 3) of its triangles
-    groups : the triangles of both
-    inside, beside : which of these reach into the other's box, and which into the column along z that it is in
-    boxes : (2, 2, 3)
+    bodies : all of them, and the surface
+    numbers : of these two
+    inside_boxes : the triangles of each that reach into the other's box
     depth : how deep places lie that they share, at most, where a plane shows that they only touch; else infinity
     """
 
-    surface: Surface
-    corners: Float
-    groups: tuple[Int, Int]
-    inside: tuple[Bool, Bool]
-    beside: tuple[Bool, Bool]
-    boxes: Float
+    bodies: _Bodies
+    numbers: tuple[int, int]
+    inside_boxes: tuple[Int, Int]
     depth: float
 
     @property
-    def inside_boxes(self) -> tuple[Int, Int]:
-        """The triangles that reach into the other's box."""
-        (one, other), (of_one, of_other) = self.groups, self.inside
-        return one[of_one], other[of_other]
+    def surface(self) -> Surface:
+        """The surface, with every shell turned as its depth asks."""
+        return self.bodies.surface
 
     @property
-    def columns(self) -> tuple[Int, Int]:
-        """Those above and below the other's box: they matter for winding numbers, what lies beside it does not."""
-        (one, other), (of_one, of_other) = self.groups, self.beside
-        return one[of_one], other[of_other]
+    def corners(self) -> Float:
+        """The corners (n, 3, 3) of its triangles."""
+        return self.bodies.corners
+
+    @property
+    def boxes(self) -> Float:
+        """The boxes of both, (2, 2, 3)."""
+        boxes: Float = self.bodies.boxes[list(self.numbers)]
+        return boxes
+
+    @property
+    def groups(self) -> tuple[Int, Int]:
+        """The triangles of both."""
+        one, other = self.numbers
+        return self.bodies.groups[one], self.bodies.groups[other]
+
+    def in_columns(self, axes: Sequence[int]) -> tuple[Int, Int]:
+        """Return the triangles of each that reach, along all axes but one of these, into the other's box.
+
+        Those above and below it matter for winding numbers and volumes, what lies beside it does not.
+        """
+        one, other = self.numbers
+        return self.bodies.in_columns(one, other, axes), self.bodies.in_columns(other, one, axes)
 
 
-class _Bodies(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class _Bodies:
     """The bodies of a surface: this, turned, with the corners of its triangles; the triangles and the box of each."""
 
     surface: Surface
@@ -64,35 +84,111 @@ class _Bodies(NamedTuple):
     groups: list[Int]
     boxes: Float
 
-    @property
-    def sizes(self) -> Int:
-        """How many triangles each has, (m,)."""
-        return np.array([len(group) for group in self.groups])
+    @classmethod
+    def of(cls, surface: SurfaceTopology, parts: tuple[Body, ...], boxes: Float) -> _Bodies:
+        """Measure the triangles."""
+        triangles_of = members(surface.closure)
+        groups = [np.concatenate([triangles_of[number] for number in body.shells]) for body in parts]
+        corners = surface.turned.corners()
+        return cls(surface.turned, corners, corners.min(axis=1), corners.max(axis=1), groups, boxes)
+
+    def in_columns(self, one: int, other: int, axes: Sequence[int]) -> Int:
+        """Return the triangles of a body that reach, along all axes but one of these, into the box of another."""
+        own, (least, most) = self.groups[one], self.boxes[other]
+        if len(own) > _LARGE:
+            every = self.boxes[one]
+            along = [np.arange(3) == axis for axis in axes]
+            low, high = (np.where(along, all_of_it, box) for all_of_it, box in zip(every, (least, most), strict=True))
+            found = [triangle for triangle, _, _ in overlapping(self.tree, BoxTree(low, high), touching=True)]
+            near = np.unique(np.concatenate(found))
+            mine: Int = near[self.owner[near] == one]
+            return mine
+        x, y, z = ((self.low[own, k] <= most[k]) & (least[k] <= self.high[own, k]) for k in range(3))
+        reach: Bool = np.logical_or.reduce([(y & z, z & x, x & y)[axis] for axis in axes])
+        return own[reach]
+
+    @cached_property
+    def tree(self) -> BoxTree:
+        """A tree of the boxes of all triangles."""
+        return BoxTree(self.low, self.high)
+
+    @cached_property
+    def owner(self) -> Int:
+        """The body of each triangle; −1 is none."""
+        owner = np.full(len(self.low), -1)
+        for number, group in enumerate(self.groups):
+            owner[group] = number
+        return owner
+
+    def reaching(self, numbers: Int, room: Float) -> Iterator[tuple[Int, Int]]:
+        """Yield triangles of each body of pairs (k, 2) that come as near the other's box as (k,).
+
+        Yields
+        ------
+        side, triangle : (n,), 2 p for the first body of pair p, 2 p + 1 for the second
+        """
+        count = len(self.groups)
+        both = np.stack([numbers, numbers[:, ::-1]], axis=1).reshape(-1, 2)
+        keys = both[:, 0] * count + both[:, 1]
+        order = np.argsort(keys)
+        keys, which = keys[order], np.unique(numbers)
+        most = np.zeros(count)
+        np.maximum.at(most, numbers, room[:, None])
+        low, high = (self.boxes[which, k] + sign * most[which, None] for k, sign in ((0, -1), (1, 1)))
+        for triangle, body, _ in overlapping(self.tree, BoxTree(low, high), touching=True):
+            key = self.owner[triangle] * count + which[body]
+            at = np.minimum(np.searchsorted(keys, key), len(keys) - 1)
+            asked = np.flatnonzero(keys[at] == key)
+            side, triangle = order[at[asked]], triangle[asked]
+            (least, largest), margin = self.boxes[both[side, 1]].transpose(1, 0, 2), room[side // 2, None]
+            near = ((self.low[triangle] <= largest + margin) & (least <= self.high[triangle] + margin)).all(axis=1)
+            yield side[near], triangle[near]
 
     def compared(self, numbers: Int, depths: Float) -> list[Pair]:
         """Compare pairs (k, 2) of bodies that touch where they share space no deeper than (k,)."""
         from inertia.mesh.geometry.contact_planes import touching_depths
 
-        boxes, room = self.boxes[numbers], depths[:, None, None]
-        others = boxes[:, ::-1]
-        inside = (others[:, :, 0] <= boxes[:, :, 0] + room) & (boxes[:, :, 1] <= others[:, :, 1] + room)
-        nested = np.repeat(np.any(inside.all(axis=2), axis=1), 2)
-        groups = [self.groups[number] for number in numbers.ravel().tolist()]
-        which, count = np.concatenate(groups), self.sizes[numbers.ravel()]
-        box, margin = (
-            np.repeat(others.reshape(-1, 2, 3), count, axis=0),
-            np.repeat(np.repeat(depths, 2), count)[:, None],
+        found = [(np.empty(0, np.int64),) * 2, *self.reaching(numbers, depths)]
+        side, triangle = (np.concatenate(column) for column in zip(*found, strict=True))
+        order = np.lexsort((triangle, side))
+        side, triangle = side[order], triangle[order]
+        least, most = self.boxes[numbers[:, ::-1].ravel()[side]].transpose(1, 0, 2)
+        inside = ((self.low[triangle] <= most) & (least <= self.high[triangle])).all(axis=1)
+        near, within = (
+            _in_twos(cut_by(triangle[some], np.bincount(side[some], minlength=2 * len(numbers))))
+            for some in (slice(None), inside)
         )
-        low, high = self.low[which], self.high[which]
-        reach = (low <= box[:, 1]) & (box[:, 0] <= high)
-        near = ((low <= box[:, 1] + margin) & (box[:, 0] <= high + margin)).all(axis=1)
-        near |= np.repeat(nested, count)  # all, where one may lie in the other
-        beside = reach[:, 0] & reach[:, 1]
-        taken, *reaches = (_in_twos(cut_by(which, count)) for which in (near, beside & reach[:, 2], beside))
-        both = _in_twos(groups)
-        sides = [(a[of_a], b[of_b]) for (a, b), (of_a, of_b) in zip(both, taken, strict=True)]
-        deep = touching_depths(self.corners, sides, depths).tolist()
-        return [Pair(self.surface, self.corners, *each) for each in zip(both, *reaches, boxes, deep, strict=True)]
+        deep = touching_depths(self.corners, near, depths)
+        deep[self._may_lie_within(numbers, depths, np.flatnonzero(deep < np.inf))] = np.inf
+        pairs = zip(numbers.tolist(), within, deep.tolist(), strict=True)
+        return [Pair(self, (one, other), sides, depth) for (one, other), sides, depth in pairs]
+
+    def _may_lie_within(self, numbers: Int, depths: Float, asked: Int) -> Int:
+        """Return those of the pairs asked of which one body may lie in the other, where their surfaces do not meet.
+
+        It does not where a place on it lies outside the other, deeper than twice what they may share. Moved by that,
+        the surface meets the other's no more, and the place is still outside.
+        """
+        boxes, room = self.boxes[numbers[asked]], depths[asked, None, None]
+        others = boxes[:, ::-1]
+        held = (others[:, :, 0] <= boxes[:, :, 0] + room) & (boxes[:, :, 1] <= others[:, :, 1] + room)
+        at, which = np.nonzero(held.all(axis=2))
+        inner, outer, pair = numbers[asked[at], which], numbers[asked[at], 1 - which], asked[at]
+        unclear = []
+        for number in np.unique(outer).tolist():
+            own = np.flatnonzero(outer == number)
+            samples = [self.groups[k][:: len(self.groups[k]) // _SAMPLES + 1] for k in inner[own].tolist()]
+            sizes = np.array([len(some) for some in samples])
+            middle, exponent = self.boxes[number].mean(axis=0), np.frexp(np.ptp(self.boxes[number], axis=0).max())[1]
+            points, corners = (
+                np.ldexp(self.corners[some] - middle, -exponent)
+                for some in (np.concatenate(samples), self.groups[number])
+            )
+            far = np.ldexp(2.0 * depths[pair[own]], -exponent)
+            winding, clearance = windings(points.mean(axis=1), corners, float(far.max()))
+            outside = (winding == 0) & (clearance >= np.repeat(far, sizes))
+            unclear.append(pair[own[~np.logical_or.reduceat(outside, np.cumsum(sizes) - sizes)]])
+        return np.concatenate([np.empty(0, np.int64), *unclear])
 
 
 def _in_twos(items: Sequence[_T]) -> list[tuple[_T, _T]]:
@@ -109,16 +205,17 @@ def near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[list[Pair]
     meeting = [(one, other) for one, other in meeting if (outward[one] == outward[other]) == alike]
     if not meeting:
         return
-    triangles_of = members(surface.closure)
-    groups = [np.concatenate([triangles_of[number] for number in body.shells]) for body in parts]
-    corners = surface.turned.corners()
-    bodies = _Bodies(surface.turned, corners, corners.min(axis=1), corners.max(axis=1), groups, boxes)
+    bodies = once("bodies", surface, lambda: _Bodies.of(surface, parts, boxes))
     numbers = np.array(meeting, np.int64)
+    depths = contact_depths(surface.vertices, boxes[numbers]) / 2
+    reaching = np.zeros((len(numbers), 2), np.int64)
+    for side, _ in bodies.reaching(numbers, depths):
+        reaching += np.bincount(side, minlength=reaching.size).reshape(-1, 2)
     if pairs is None and not surface.separate:
         # Where no triangle of one comes near the other, they are apart or nested, which their shells show.
-        numbers = numbers[_reaching(numbers, bodies) & _reaching(numbers[:, ::-1], bodies)]
-    depths = contact_depths(surface.vertices, boxes[numbers]) / 2
-    for k, run in enumerate(runs_of(bodies.sizes[numbers].sum(axis=1), _AT_ONCE)):
+        close = reaching.all(axis=1)
+        numbers, depths, reaching = numbers[close], depths[close], reaching[close]
+    for k, run in enumerate(runs_of(reaching.sum(axis=1), _AT_ONCE)):
         comparing = partial(bodies.compared, numbers[run], depths[run])
         yield once(("near", alike, k), surface, comparing) if k < _KEPT else comparing()
 
@@ -140,17 +237,6 @@ def _touching_bodies(surface: SurfaceTopology, parts: tuple[Body, ...], boxes: F
     one, other = boxes[pairs.T]
     meet = ((one[:, 0] < other[:, 1]) & (other[:, 0] < one[:, 1])).all(axis=1)
     return [(one, other) for one, other in distinct_pairs(pairs[meet]).tolist()]
-
-
-def _reaching(pairs: Int, bodies: _Bodies) -> Bool:
-    """Say of which pairs (k, 2) of bodies a triangle of the first reaches into the box of the second."""
-    sizes, reach = bodies.sizes[pairs[:, 0]], np.zeros(len(pairs), bool)
-    for run in runs_of(sizes, _AT_ONCE):
-        which = np.concatenate([bodies.groups[one] for one in pairs[run, 0].tolist()])
-        box = np.repeat(bodies.boxes[pairs[run, 1]], sizes[run], axis=0)
-        near = ((bodies.low[which] <= box[:, 1]) & (box[:, 0] <= bodies.high[which])).all(axis=1)
-        reach[run] = np.logical_or.reduceat(near, np.cumsum(sizes[run]) - sizes[run])
-    return reach
 
 
 def meeting_boxes(boxes: Float) -> list[tuple[int, int]]:

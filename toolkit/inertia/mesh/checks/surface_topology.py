@@ -14,6 +14,7 @@ from inertia.arrays import Bool, Float, Int
 from inertia.mesh.checks.findings import Evidence, around, listed, middle
 from inertia.mesh.geometry import edges, shells
 from inertia.mesh.geometry.closure import Closure, closure
+from inertia.mesh.geometry.contact_depth import contact_depth
 from inertia.mesh.geometry.edges import Edges, Loop, Place
 from inertia.mesh.geometry.faces import merge_equal_vertices
 from inertia.mesh.geometry.shells import WOUND, Body, Shell
@@ -179,6 +180,16 @@ class SurfaceTopology:
         shell = labels[which].astype(np.int64)
         turned = np.isin(shell, self.wrong_shells)
         return beyond_corners(self.vertices, self.faces[which], shell, self.body_of[shell], turned, boxes, pairs)
+
+    @cached_property
+    def digits(self) -> float:
+        """The depth of a contact of which the last digits of coordinates alone are the measure."""
+        return contact_depth(self.vertices, 0.0)
+
+    @cached_property
+    def crowded(self) -> Int:
+        """The triangles with an edge that more than two have, ascending."""
+        return self.edges.at_crowded
 
     @cached_property
     def duplicates(self) -> tuple[Int, Int]:

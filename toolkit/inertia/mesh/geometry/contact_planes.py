@@ -32,7 +32,7 @@ def touching_depths(corners: Float, sides: Sequence[tuple[Int, Int]], most: Floa
     ----------
     corners : (t, 3, 3), triangles of closed bodies, outward
     sides : of each pair, numbers of the triangles of the one and of the other that come nearer the other's box than
-        `most`; all of them, unless it is known that neither body lies in the other
+        `most`; that neither body lies in the other is not looked at
     most : (k,), the depth that matters
 
     >>> from inertia.mesh.cut import block

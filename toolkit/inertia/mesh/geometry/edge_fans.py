@@ -17,10 +17,11 @@ import numpy as np
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.contact_depth import CONTACT, are_single, last_digits
 from inertia.mesh.geometry.halfedges import HalfEdges
-from inertia.mesh.geometry.triangle_pairs import Sign, orient3d, unit
+from inertia.mesh.geometry.triangle_pairs import Sign, orient3d
 from inertia.records import dataclass
 
 _AT_ONCE = 1 << 18  # signs decided at a time
+_TELLING = 1e-12  # of the lengths of two sides: above a thousand times what the rounding of their product is
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,15 +65,22 @@ def fans(vertices: Float, faces: Int, edges: HalfEdges, half_edge: Int, group: I
     upwards = _precedes(tail, head)
     u, v = np.where(upwards[:, None], tail, head), np.where(upwards[:, None], head, tail)
     w = vertices[_apex(faces, half_edge)]
-    facing = _normal_signs(u, v, w)
-    solid = facing.any(axis=1)
-    half_edge, group, facing, upwards = half_edge[solid], group[solid], facing[solid], upwards[solid]
-    u, v, w = u[solid], v[solid], w[solid]
+    normal, height, sure = _normals(u, v, w)
+    solid = sure.copy()
+    solid[~sure] = _normal_signs(u[~sure], v[~sure], w[~sure]).any(axis=1)
+    half_edge, group, upwards, sure = half_edge[solid], group[solid], upwards[solid], sure[solid]
+    u, v, w, normal, height = u[solid], v[solid], w[solid], normal[:, solid], height[solid]
     _, reference = _runs(group)
     side = _orientation(u, v, w[reference], w)
-    with_reference = (facing == facing[reference]).all(axis=1)
-    quarter = np.choose(side + 1, [3, np.where(with_reference, 0, 2), 1])
-    angle, height = _angles(u, v, w, reference)
+    level = np.flatnonzero(side == 0)
+    first = reference[level]
+    facing = (normal[:, level] * normal[:, first]).sum(axis=0) > 0
+    doubtful = np.flatnonzero(~(sure[level] & sure[first]))
+    one, other = (_normal_signs(u[k], v[k], w[k]) for k in (level[doubtful], first[doubtful]))
+    facing[doubtful] = (one == other).all(axis=1)
+    quarter = np.array([3, 2, 1])[side + 1]
+    quarter[level[facing]] = 0
+    angle = _angles(v - u, normal, reference)
     low, high = np.array([[0, 0], [0, np.pi], [np.pi, np.pi], [np.pi, 2 * np.pi]])[quarter].T
     # Rounding may take an angle across the reference: a full turn off.
     angle = np.clip(angle - 2 * np.pi * np.round((angle - (low + high) / 2) / (2 * np.pi)), low, high)
@@ -295,17 +303,27 @@ def _normal_signs(u: Float, v: Float, w: Float) -> Sign:
     return np.stack(signs, axis=1)
 
 
-def _angles(u: Float, v: Float, w: Float, reference: Int) -> tuple[Float, Float]:
-    """Return rounded angles of w around u→v from the one at `reference` on, 0 to 2π, and distances from the line."""
-    along = unit(v - u)
-    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-        arm = w - u
-        arm = arm - np.einsum("ij,ij->i", arm, along)[:, None] * along
-        x = unit(arm)[reference]
-        y = np.cross(along, x)
-        angle = np.arctan2(np.einsum("ij,ij->i", arm, y), np.einsum("ij,ij->i", arm, x))
-        height = np.linalg.norm(arm, axis=1)
-    return np.nan_to_num(angle % (2 * np.pi)), height
+def _normals(u: Float, v: Float, w: Float) -> tuple[Float, Float, Bool]:
+    """Return rounded unit normals (3, k) of triangles, heights of w over u→v, and where the directions are sure."""
+    with np.errstate(all="ignore"):
+        along, arm = (np.ascontiguousarray((p - u).T) for p in (v, w))
+        exponent = int(np.frexp(max(np.abs(along).max(initial=0.0), np.abs(arm).max(initial=0.0)))[1])
+        (ax, ay, az), (bx, by, bz) = np.ldexp(along, -exponent), np.ldexp(arm, -exponent)
+        normal = np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+        size, base, side = (np.sqrt(x * x + y * y + z * z) for x, y, z in (normal, (ax, ay, az), (bx, by, bz)))
+        sure = (size > _TELLING * base * side) & (size < np.inf)
+        return np.nan_to_num(normal / size), np.ldexp(np.nan_to_num(size / base), exponent), sure
+
+
+def _angles(along: Float, normal: Float, reference: Int) -> Float:
+    """Return rounded angles of half-planes around an edge (k, 3) from the one at `reference` on, by normals (3, k)."""
+    (ax, ay, az), (x, y, z), (px, py, pz) = along.T, normal, normal[:, reference]
+    with np.errstate(all="ignore"):
+        sine = ax * (py * z - pz * y) + ay * (pz * x - px * z) + az * (px * y - py * x)
+        cosine = px * x + py * y + pz * z
+        angle = np.arctan2(sine / np.sqrt(ax * ax + ay * ay + az * az), cosine)
+    turned: Float = np.nan_to_num(angle % (2 * np.pi))
+    return turned
 
 
 def _blur(u: Float, v: Float, w: Float, height: Float) -> Float:
@@ -319,8 +337,8 @@ def _blur(u: Float, v: Float, w: Float, height: Float) -> Float:
     points = np.stack([u, v, w])
     digit = last_digits(float(np.abs(points).max()), single=are_single(points)) / 4
     with np.errstate(over="ignore", under="ignore", divide="ignore", invalid="ignore"):
-        along, length = unit(v - u), np.linalg.norm(v - u, axis=1)
-        share = np.einsum("ij,ij->i", w - u, along) / length
+        (ax, ay, az), (bx, by, bz) = (np.ascontiguousarray((p - u).T) for p in (v, w))
+        share = (ax * bx + ay * by + az * bz) / (ax * ax + ay * ay + az * az)
         blur = digit * (1 + np.abs(share) + np.abs(1 - share)) / height
     turned: Float = np.nan_to_num(blur)
     return turned

@@ -14,8 +14,10 @@ import mmap
 import threading
 
 import numpy as np
+from numpy.typing import NDArray
 
-from inertia.arrays import Bool, Float, Int
+from inertia.arrays import Bool, Float, Int, runs_of
+from inertia.mesh.surface import Triangles
 from inertia.native import Kernel, address, place
 
 MOST = 200_000
@@ -53,6 +55,28 @@ def simple(vertices: Float, faces: Int, table: Int, *, pieces: bool = False) -> 
     """
     sound: Bool = states(vertices, faces, table) <= (PIECES if pieces else SIMPLE)
     return sound
+
+
+def not_simple(triangles: Triangles, labels: NDArray[np.int32], which: Int) -> Int:
+    """Return those of the triangles numbered (k,) whose shell is not shown to be free of crossings, ascending.
+
+    Parameters
+    ----------
+    labels : (n,), the shell of each triangle, which has all of its triangles among those numbered
+    """
+    order, sizes = which[np.argsort(labels[which], kind="stable")], np.bincount(labels[which])
+    sizes = sizes[sizes > 0]
+    first, left = np.cumsum(sizes) - sizes, [np.empty(0, np.int64)]
+    for run in runs_of(sizes, MOST):
+        size, start = sizes[run], first[run] - first[run.start]
+        own = order[first[run.start] : first[run.start] + size.sum()]
+        if len(own) <= MOST:
+            corners = triangles.select(own).corners().reshape(-1, 3)
+            faces = (np.arange(len(corners)) - 3 * np.repeat(start, 3 * size)).reshape(-1, 3)
+            sound = simple(corners, faces, np.column_stack([3 * start, 3 * size, start, size]), pieces=True)
+            own = own[~np.repeat(sound, size)]
+        left.append(own)
+    return np.sort(np.concatenate(left))
 
 
 def states(vertices: Float, faces: Int, table: Int) -> Int:
