@@ -399,6 +399,10 @@ def test_the_smallest_abaqus_set_that_holds_a_cell_names_it(tmp_path: Path) -> N
         ("a.su2", SU2.replace("NELEM= 2", "NELEM= 1"), "stands outside its tables"),
         ("a.su2", SU2.replace("1 1 1", "1 1 1e"), "'1e', which is not a number"),
         ("a.su2", SU2.replace("NPOIN= 5", "NPOIN= five"), "not a count"),
+        ("a.su2", "NZONE= 2\nIZONE= 1\n" + SU2, "its NZONE says that it has several zones"),
+        ("a.su2", SU2 + SU2, "its NDIME says that it has several zones"),
+        ("a.su2", SU2 + SU2.partition("\n")[2], "its NPOIN says that it has several zones"),
+        ("a.su2", SU2[: SU2.index("NPOIN")] + SU2[SU2.index("NELEM") :], "it has no NPOIN"),
         ("a.mesh", MEDIT + "Tetrahedra\n1\n1 2 3 4 1\nEnd\n", "text follows its End"),
         ("a.mesh", MEDIT.replace("\nEnd\n", ""), "has no End"),
         ("a.mesh", MEDIT.replace("End\n", "Tetrahedra\n1\n1 2 3 4 1\nEnd\n"), "a table twice"),
@@ -407,6 +411,38 @@ def test_the_smallest_abaqus_set_that_holds_a_cell_names_it(tmp_path: Path) -> N
 def test_what_would_be_misread_is_refused(name: str, text: str, reason: str, tmp_path: Path) -> None:
     with pytest.raises(ReadError, match=reason):
         read_text(tmp_path, name, text)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "reason"),
+    [
+        ("a.mesh", MEDIT.replace("1 2 3 4 1\n", "1 2 3 4 1\n1 2 3 4 1\n"), "as medit: it is damaged"),
+        ("a.mesh", MEDIT.replace("Vertices\n4", "Vertices\n5"), r"as medit \(it holds more or fewer numbers"),
+        ("a.mesh", MEDIT.replace("Tetrahedra\n1", "Tetrahedra\nx"), r"as medit \('x' stands where a number should\)"),
+        ("a.vtk", VTK_TEXT.replace("double", "decimal"), r"as vtk \('decimal' is missing or not known\)"),
+        ("a.vtk", VTK_TEXT.replace("CELL_DATA 2", "CELL_DATA"), r"as vtk \(something in it is missing or too short\)"),
+        (
+            "a.vol",
+            "mesh3d\nvolumeelements\n1\n1 4 1\nendmesh\n",
+            r"as netgen \(something in it is missing or too short\)",
+        ),
+    ],
+)
+def test_what_meshio_raises_is_said_in_words(name: str, text: str, reason: str, tmp_path: Path) -> None:
+    with pytest.raises(ReadError, match=f"meshio cannot read it {reason}"):
+        read_text(tmp_path, name, text)
+
+
+@pytest.mark.parametrize("text", [SU2.replace("=", " ="), "NZONE= 1 % one\nIZONE= 1\n" + SU2])
+def test_keywords_of_su2_with_blanks_and_its_one_zone_are_read(text: str, tmp_path: Path) -> None:
+    """Two tetrahedra on the same base, of volumes 1/6 and 1/3."""
+    assert mass_properties(read_text(tmp_path, "a.su2", text), 1.0).mass == pytest.approx(0.5e-9, rel=1e-15)
+
+
+def test_a_node_0_that_counts_from_1_is_none(tmp_path: Path) -> None:
+    _, data = volumes(tmp_path)["netgen"]
+    with pytest.raises(ReadError, match="names vertex -1, but the vertices are 0 to 4"):
+        read_text(tmp_path, "a.vol", data.replace(b" 4 2 4 3 5", b" 4 2 4 3 0"))
 
 
 @pytest.mark.parametrize("name", ["two.vtu", "two.vtk"])

@@ -17,6 +17,8 @@ STRANGERS = {
     "OLE": (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600), "SolidWorks, Inventor"),
     "IGES": (b"comment".ljust(72) + b"S      1\n", "an IGES file"),
     "DXF": (b"  0\nSECTION\n  2\nHEADER\n", "a DXF drawing"),
+    "AMF": (b'<amf unit="inch"><object>', "an AMF file"),
+    "AMF with comments": (b'<?xml version="1.0"?>' + b"<!-- x -->" * 60 + b"\n<amf>", "an AMF file"),
     "7z": (b"7z\xbc\xaf\x27\x1c\0\4", "a 7-Zip archive: unpack it"),
     "zstd": (b"\x28\xb5\x2f\xfd\x04\x00", "a file compressed by Zstandard"),
     "UTF-16": ("solid x\n".encode("utf-16"), "text in UTF-16: save it as UTF-8"),

@@ -252,6 +252,12 @@ def test_text_ply_may_mix_polygons_and_columns(tmp_path: Path) -> None:
     assert np.array_equal(read_bytes(tmp_path, "box.ply", "\n".join(faces)).triangles.corners(), MIXED)
 
 
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_a_comment_of_ply_may_name_the_end_of_the_header(end: str, tmp_path: Path) -> None:
+    text = text_ply().replace("comment made by hand", "comment end_header soon").replace("\n", end)
+    assert np.array_equal(read_bytes(tmp_path, "box.ply", text).triangles.corners(), BOX)
+
+
 def test_float32_is_widened_exactly(tmp_path: Path) -> None:
     corners = np.random.default_rng(1).normal(size=(8, 3)).astype(np.float32)
     body = corners.astype(">f4").tobytes() + b"".join(struct.pack(">B3i", 3, *face) for face in TRIANGLES)
@@ -324,10 +330,27 @@ def test_gltf_points_beside_triangles_are_noted(tmp_path: Path) -> None:
     assert read_bytes(tmp_path, "box.glb", glb(tree, binary)).notes == ("1 set of lines or points was left out",)
 
 
+def test_gltf_whose_accessor_rounds_what_it_states_is_read(tmp_path: Path) -> None:
+    tree, binary = gltf_tree()
+    tree["accessors"][0] |= {"min": [0.1, 0, 0], "max": [1.1001, 2, 3]}
+    assert np.array_equal(read_bytes(tmp_path, "box.glb", glb(tree, binary)).triangles.corners(), SINGLE)
+
+
+def test_the_first_of_several_scenes_of_gltf_is_noted_where_none_is_named(tmp_path: Path) -> None:
+    tree, binary = gltf_tree(nodes=[{"mesh": 0}, {"mesh": 0, "translation": [9, 0, 0]}])
+    tree["scenes"] = [{"nodes": [0]}, {"nodes": [1]}]
+    assert read_bytes(tmp_path, "box.glb", glb(tree, binary)).notes == ()
+    del tree["scene"]
+    part = read_bytes(tmp_path, "box.glb", glb(tree, binary))
+    assert part.notes == ("of 2 scenes, none of which is named as the one to show, the first was read",)
+    assert np.array_equal(part.triangles.corners(), SINGLE)
+
+
 def test_nodes_of_gltf_that_are_not_visible_are_noted(tmp_path: Path) -> None:
     tree, binary = gltf_tree()
     for node, seen in zip(tree["nodes"], (False, True), strict=False):
         node["extensions"] = {"KHR_node_visibility": {"visible": seen}}
+    tree["extensionsRequired"] = ["KHR_node_visibility"]
     part = read_bytes(tmp_path, "box.glb", glb(tree, binary))
     assert part.notes == ("1 node marked as not visible (KHR_node_visibility) was counted",)
     assert part.triangles.count == 12

@@ -1,5 +1,6 @@
 """3DXML: product structures and tessellated parts, whose corners are known from the numbers that were written."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from tests.mesh.readers.samples import (
     archive,
     representation_3dxml,
     three_dxml,
+    words,
 )
 
 from inertia.errors import ReadError
@@ -81,6 +83,47 @@ def test_a_texture_does_not_matter(tmp_path: Path) -> None:
     assert np.array_equal(part.triangles.corners(), BOX)
 
 
+def test_each_face_of_a_list_counts_once_and_normals_do_not_matter(tmp_path: Path) -> None:
+    text = representation_3dxml().replace(f'"{words(TRIANGLES.ravel())}"', '"0 1 3"')
+    rest = "".join(f'<Face triangles="{words(corners)}"/>' for corners in TRIANGLES[1:])
+    text = re.sub("<Normals>.*</Normals>", "", text.replace("</Faces>", f"{rest}</Faces>"))
+    assert np.array_equal(read_3dxml(tmp_path, three_dxml(representation=text)).triangles.corners(), BOX)
+
+
+def test_references_may_be_urns(tmp_path: Path) -> None:
+    parts = re.sub("Of>([0-9])<", r"Of>urn:3DXML:Reference:loc:\1<", PART_3DXML + instance(5))
+    assert np.array_equal(read_3dxml(tmp_path, three_dxml(parts)).triangles.corners(), BOX)
+
+
+def test_parts_of_one_mesh_keep_their_names(tmp_path: Path) -> None:
+    lid = PART_3DXML.partition("<ReferenceRep")[0].replace("box", "lid").replace('"2"', '"22"').replace(">2<", ">22<")
+    parts = PART_3DXML + lid.replace('"3"', '"23"') + instance(5) + instance(6, TURNED, target=22)
+    part = read_3dxml(tmp_path, three_dxml(parts))
+    assert part.regions is not None
+    names = np.repeat(np.array(part.regions.names)[part.regions.index[::12]], 12)
+    assert np.array_equal(part.triangles.corners()[names == "box"], BOX)
+    turned = BOX @ np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]]) + [7, 8, 9]
+    assert np.array_equal(part.triangles.corners()[names == "lid"], turned)
+
+
+def test_what_the_view_hides_counts_with_a_note(tmp_path: Path) -> None:
+    hides = '<GraphicProperties><GeneralAttributes visible="false"/></GraphicProperties>'
+    part = read_3dxml(tmp_path, three_dxml(PLACED + instance(6, TURNED) + view(hides)))
+    assert part.notes == ("1 occurrence that the view hides was counted",)
+    assert part.triangles.count == 24
+
+
+def test_a_view_may_say_again_where_an_instance_is(tmp_path: Path) -> None:
+    data = three_dxml(PLACED + view(f"<RelativePosition>{IN_PLACE}</RelativePosition>"))
+    assert np.array_equal(read_3dxml(tmp_path, data).triangles.corners(), BOX)
+
+
+def view(says: str) -> str:
+    """A view of the instance 5, behind the structure."""
+    occurrence = "<OccurenceId><id>urn:3DXML:Product.3dxml#5</id></OccurenceId>"
+    return f"<DefaultView><DefaultViewProperty>{occurrence}{says}</DefaultViewProperty></DefaultView>"
+
+
 PLACED = PART_3DXML + instance(5)
 DOUBLING = "".join(
     f'<Reference3D id="r{i}" name="r"/>' + instance(f"a{i}", IN_PLACE, f"r{i}", f"r{i + 1}")
@@ -102,11 +145,15 @@ BAD = {
     "circle": (three_dxml(PLACED + instance(6, IN_PLACE, 2, 1)), "part of itself"),
     "doubling": (three_dxml(PLACED + DOUBLING + '<Reference3D id="r60" name="r"/>' + instance(7, IN_PLACE, "r60", 2)
         + instance(8, IN_PLACE, 1, "r0")), "more than 100000000"),
+    "moved by the view": (three_dxml(PLACED + view(f"<RelativePosition>{TURNED}</RelativePosition>")),
+        "its view moves the occurrence '5'"),
     "one id": (three_dxml(PLACED + PLACED), "have the id"),
     "ten numbers": (three_dxml(PLACED.replace("1 0 0 0", "1 0", 1)), "not twelve numbers"),
     "nan": (three_dxml(PLACED.replace("1 0 0 0", "1 0 0 nan", 1)), "not finite"),
     "beyond": (three_dxml(representation=representation_3dxml(face='triangles="0 1 8"')), "names vertex 8"),
     "half a triangle": (three_dxml(representation=representation_3dxml(face='triangles="0 1 2 3"')), "with 4 corners"),
+    "no vertices": (three_dxml(representation=representation_3dxml().replace("</Root>",
+        '<Rep><Faces><Face triangles="0 1 2"/></Faces></Rep></Root>')), "faces without vertices of their own"),
     "short strip": (three_dxml(representation=representation_3dxml(face='strips="0 1 2 3,4 5"')), "with 2 corners"),
     "half a point": (three_dxml(representation=representation_3dxml().replace("0.1 0.0 0.0", "0.1 0.0")), "23 coord"),
     "entities": (three_dxml(representation="<!DOCTYPE a [<!ENTITY b 'c'>]><a>&b;</a>"), "declares a document type"),

@@ -104,12 +104,34 @@ def quietly(library: str, kind: str) -> Iterator[None]:
             f"{library} cannot read it as {kind} without another package ({error}): install it", code="needs_package"
         ) from None
     except (Exception, SystemExit) as error:  # any exception at all may come out of a damaged file
-        lines = [line.strip() for line in (*printed.getvalue().splitlines(), str(error)) if line.strip()]
-        reason = next((line for line in lines if not line.startswith("Error:") and line != "1"), type(error).__name__)
+        reason = _reason(error, printed.getvalue())
         raise ReadError(
-            f"{library} cannot read it as {kind} ({shown(reason, 80)}): it is damaged, or of a kind that is not read; "
-            "export the mesh again, or as another format"
+            f"{library} cannot read it as {kind}{reason and f' ({reason})'}: it is damaged, or of a kind that is not "
+            "read; export the mesh again, or as another format"
         ) from None
+
+
+_NO_NUMBER = re.compile(r"(?s)(?:invalid literal for int|could not convert string to float).*?: '(.*)'")
+_NO_OBJECT = re.compile(r"object '(.*)' doesn't exist")
+_MISCOUNTED = re.compile(r"reshape array|inhomogeneous|number of columns|got \d+ columns|unmatched data|broadcast")
+
+
+def _reason(error: BaseException, printed: str) -> str:
+    """Return in words what a library that printed and raised this found wrong; "" where it did not say."""
+    says = str(error)
+    if isinstance(error, SystemExit):
+        lines = printed.partition("Error:")[0].strip().splitlines()  # behind it, that the file cannot be read
+        says = lines[0].strip().removeprefix("Warning: ") if lines else ""
+    if isinstance(error, KeyError):
+        key = str(error.args[0]) if error.args else ""
+        return f"{shown(match[1] if (match := _NO_OBJECT.search(key)) else key)} is missing or not known"
+    if isinstance(error, IndexError | AttributeError | TypeError | AssertionError | NameError):
+        return "something in it is missing or too short"
+    if match := _NO_NUMBER.match(says):
+        return f"{shown(match[1].removesuffix(chr(92) + 'n'))} stands where a number should"
+    if _MISCOUNTED.search(says):
+        return "it holds more or fewer numbers than it should"
+    return shown(says, 80) if says else ""
 
 
 _alone: ContextVar[bool] = ContextVar("alone", default=False)

@@ -46,8 +46,12 @@ _JSON, _BINARY = b"JSON", b"BIN\0"
 _COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
+_SLOPPY = 1e-3  # of the farthest coordinate, what a stated one may be off by: exporters round them
 _MODES = {mode: mode for mode in range(7)}
-_HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_xmp", "EXT_texture_", "MSFT_texture_")
+_HARMLESS = (
+    *("KHR_node_visibility", "KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_xmp"),
+    *("EXT_texture_", "MSFT_texture_"),
+)
 """Extensions, by how their names begin, that leave the shape alone even where a file requires them."""
 
 
@@ -78,6 +82,8 @@ def _read(path: Path, do: Callable[[Scene], T]) -> tuple[T, tuple[str, ...]]:
         notes.append(f"{plural(left_out, 'set')} of lines or points {was(left_out)} left out")
     if hidden := scene.hidden:
         notes.append(f"{plural(hidden, 'node')} marked as not visible (KHR_node_visibility) {was(hidden)} counted")
+    if "scene" not in scene.tree and (scenes := len(scene.tree.entries("scenes", []))) > 1:
+        notes.append(f"of {scenes} scenes, none of which is named as the one to show, the first was read")
     return result, tuple(notes)
 
 
@@ -154,11 +160,16 @@ class Scene:
             raise ReadError(
                 f"it is glTF {shown(version)}, but only version 2 is read: export it as glTF 2.0", code="not_read"
             )
+        least = asset.label("minVersion") or "2.0"
+        if least != "2.0":
+            raise ReadError(
+                f"it needs glTF {shown(least)}, but only version 2.0 is read: export it as glTF 2.0", code="not_read"
+            )
         required = map(str, tree.entries("extensionsRequired", []))
         unknown = [name for name in required if not name.startswith(_HARMLESS)]
         if unknown:
             raise ReadError(
-                f"it requires the extension {shown(unknown[0])}: export it without compression", code="not_read"
+                f"it requires the extension {shown(unknown[0])}, which is not read: export it without", code="not_read"
             )
 
     def pieces(self) -> Iterator[Piece]:
@@ -250,6 +261,7 @@ class Scene:
             raise ReadError(
                 "its positions are not three float32 numbers each: export it without quantisation", code="not_read"
             )
+        _check_reach(positions, self._item("accessors", primitive.object("attributes"), "POSITION"))
         if "indices" in primitive:
             corners = self._accessor(primitive, "indices")
             if corners.dtype.kind != "u" or corners.shape[1] != 1:
@@ -281,6 +293,11 @@ class Scene:
         start += accessor.whole("byteOffset", 0)
         stride = view.whole("byteStride", 0) or row
         stop = start + (count - 1) * stride + row
+        if start % dtype.itemsize or stride % dtype.itemsize:
+            raise ReadError(
+                f"accessor {index} begins at byte {start} of its buffer with a stride of {stride}, not both multiples "
+                f"of the {dtype.itemsize} bytes of its numbers: it is damaged, export it again"
+            )
         if count == 0 or stride < row or stop > min(end, buffer.size):
             raise ReadError(
                 f"accessor {index} does not fit in its buffer: it was cut short or damaged, export it again",
@@ -332,6 +349,18 @@ class Scene:
                 f"{where} refers to {kind}[{index}], but the file holds {len(items)}: it is damaged, export it again"
             )
         return JsonObject(items[index], f"{kind}[{index}]")
+
+
+def _check_reach(positions: NDArray[Any], accessor: JsonObject) -> None:
+    """Refuse positions (n, 3) far from the smallest and largest that their accessor states, where it does."""
+    for name, has in (("min", positions.min(axis=0)), ("max", positions.max(axis=0))):
+        if (stated := accessor.numbers(name, 3)) is not None:
+            off = np.abs(np.array(stated, np.float64) - has)
+            if (off > _SLOPPY * max(np.abs(positions).max(), *map(abs, stated))).any():
+                raise ReadError(
+                    f"{accessor.where(name)} says {list(map(float, stated))}, but its positions have "
+                    f"{list(map(float, has))}: it is damaged, export it again"
+                )
 
 
 def _triangles(corners: Int, mode: int) -> Int:

@@ -1,4 +1,4 @@
-"""VTK, VTU, Nastran, Abaqus, MED, XDMF and a few more, through meshio: nothing else in the package knows it.
+"""VTK, VTU, Nastran, Abaqus, MED, XDMF and a few more, through meshio.
 
 meshio prints, calls `sys.exit` on files that it cannot read, raises whatever comes, and passes over what it
 does not understand. What it would misread is refused before (`inertia.mesh.readers.meshio_guards`); the rest is dealt
@@ -11,6 +11,7 @@ import importlib
 import re
 from codecs import BOM_UTF8
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -24,8 +25,12 @@ from inertia.mesh.readers.abaqus import plain_input
 from inertia.mesh.readers.cells import Block, cell_contents
 from inertia.mesh.readers.contents import UNNAMED, Contents, plural, quietly, shown, text_of, was
 from inertia.mesh.readers.decimals import rounding_of
-from inertia.mesh.readers.meshio_guards import NASTRAN_READ, cells_expected, without_comments
+from inertia.mesh.readers.legacy_vtk import teach
+from inertia.mesh.readers.med import med_unit, with_families
+from inertia.mesh.readers.meshio_guards import NASTRAN_READ, cells_expected, plain_su2, without_comments
 from inertia.mesh.readers.nastran import plain_bulk_data
+from inertia.mesh.readers.ucd import plain_ucd
+from inertia.mesh.readers.xdmf import mixed_cells
 from inertia.output import temporary_folder
 
 _TAGS = (
@@ -61,6 +66,9 @@ _DECIMALS = {
 _UNMARKED = ("vtk", "nastran", "abaqus", "medit", "netgen", "su2", "avsucd")
 """Formats of text, other than XML, before which meshio knows no byte order mark."""
 
+_PLAIN = {"abaqus": plain_input, "su2": plain_su2, "avsucd": plain_ucd}
+"""What brings the text of a format into the words that meshio knows."""
+
 _NO_END = "it has no End: it was read for the tables that are there"
 
 
@@ -77,9 +85,14 @@ def read_with_meshio(path: Path, kind: str) -> Contents:
     if kind == "nastran":
         text, more = plain_bulk_data(without_comments(text_of(path)), NASTRAN_READ)
         notes += more
-    elif kind == "abaqus":
-        text = plain_input(text_of(path))
-    if text is None:
+    elif kind in _PLAIN:
+        text = _PLAIN[kind](text_of(path))
+    unit = None
+    if kind == "med":
+        unit = med_unit(path)
+        with with_families(path) as whole:
+            mesh = _mesh(whole, kind)
+    elif text is None:
         mesh = _mesh(path, kind)
     else:
         with temporary_folder() as folder:
@@ -88,7 +101,7 @@ def read_with_meshio(path: Path, kind: str) -> Contents:
             mesh = _mesh(plain, kind)
     contents = contents_of(mesh, expected)
     rounding = _rounding(path, kind, mesh.points, text)
-    return replace(contents, notes=(*contents.notes, *notes), rounding=rounding)
+    return replace(contents, unit=unit, notes=(*contents.notes, *notes), rounding=rounding)
 
 
 def contents_of(mesh: Any, expected: int | None = None) -> Contents:
@@ -100,7 +113,7 @@ def contents_of(mesh: Any, expected: int | None = None) -> Contents:
     if expected is not None and count != expected:
         raise ReadError(
             f"it lists {plural(expected, 'cell')}, but meshio could read {count}: "
-            "use cells of first or second order, and export the mesh again"
+            "use cells of first or second order, or its count is wrong, and export the mesh again"
         )
     names, regions, of_sets = _regions(mesh, [len(block) for block in nodes])
     ghosts = [
@@ -146,14 +159,22 @@ def _ends(path: Path) -> bool:
 def _mesh(path: Path, kind: str) -> Any:
     """Return meshio's mesh."""
     with quietly("meshio", kind):
-        meshio = importlib.import_module("meshio")
-        for name in _FORGOTTEN:
-            meshio._mesh.topological_dimension.setdefault(name, 3)
-        meshio.vtu._vtu.vtk_cells_from_data = meshio.vtk._vtk_51.vtk_cells_from_data = _vtk_cells
-        lists = meshio.vtk._vtk_42
-        if lists.translate_cells is not _vtk_lists:
-            lists.cells_of_meshio, lists.translate_cells = lists.translate_cells, _vtk_lists
-        return meshio.read(path, file_format=kind)
+        return _meshio().read(path, file_format=kind)
+
+
+@cache
+def _meshio() -> Any:
+    """Return meshio, once it checks cells of VTK and XDMF and knows all attributes of legacy VTK."""
+    meshio = importlib.import_module("meshio")
+    for name in _FORGOTTEN:
+        meshio._mesh.topological_dimension.setdefault(name, 3)
+    meshio.vtu._vtu.vtk_cells_from_data = meshio.vtk._vtk_51.vtk_cells_from_data = _vtk_cells
+    meshio.xdmf.main.translate_mixed_cells = mixed_cells
+    lists = meshio.vtk._vtk_42
+    lists.cells_of_meshio, lists.translate_cells = lists.translate_cells, _vtk_lists
+    teach(lists)
+    teach(meshio.vtk._vtk_51)
+    return meshio
 
 
 def _vtk_cells(corners: Int, ends: Int, types: Int, cell_data: dict[str, Any]) -> Any:
@@ -221,6 +242,8 @@ def _nodes(block: Any) -> Int:
     nodes = np.asarray(block.data)
     if nodes.ndim != 2 or nodes.dtype.kind not in "iu":
         raise ReadError(f"its cells of the kind {shown(str(block.type))} have no table of nodes: export the mesh again")
+    if nodes.dtype.kind == "u" and nodes.dtype.itemsize >= 4:  # a node 0 that counts from 1 is -1
+        nodes = nodes.astype(f"i{nodes.dtype.itemsize}")
     return nodes.astype(np.int64)
 
 

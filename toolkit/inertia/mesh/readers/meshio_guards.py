@@ -5,19 +5,17 @@ Each check reads the keywords of a format and returns how many cells the file li
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
 import re
 from itertools import islice
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from inertia.errors import ReadError
-from inertia.mesh.readers.contents import beneath, numbers, plural, shown, text_of
+from inertia.mesh.readers.contents import numbers, shown, text_of
+from inertia.mesh.readers.med import check_med
 from inertia.mesh.readers.nastran import BEGIN, END
-from inertia.mesh.readers.trimesh import parse_xml
+from inertia.mesh.readers.xdmf import xdmf_cells
 
 _LINES = re.IGNORECASE | re.MULTILINE
 
@@ -60,9 +58,9 @@ _SEPARATORS = re.compile(rb"[\x0b\x0c\x1c-\x1f]")
 _LOW_LINES = re.compile(rb"(?<!\S)[-+]?[\d.]+(?:_[\d.]+)+(?!\S)")
 """What Python takes for a number, and no format does."""
 
+_SU2_NEEDED = (b"NDIME", b"NPOIN", b"NELEM")
+_SU2_KEYWORD = re.compile(rb"^[ \t]*(\w+)[ \t]*=", re.MULTILINE)
 _SU2_NODES = {b"3": 2, b"5": 3, b"9": 4, b"10": 4, b"12": 8, b"13": 6, b"14": 5}
-
-_SPARSE_FREE, _SPARSE_RATIO = 64 * 2**20, 200
 
 
 def cells_expected(path: Path, kind: str) -> int | None:
@@ -88,9 +86,9 @@ def cells_expected(path: Path, kind: str) -> int | None:
         case "nastran":
             return _nastran(without_comments(text_of(path)))
         case "med":
-            _hdf5(path)
+            check_med(path)
         case "xdmf":
-            _xdmf(path)
+            return xdmf_cells(path)
         case "medit":
             _medit(data)
         case "su2":
@@ -153,12 +151,19 @@ def _su2(data: bytes) -> int:
     """Check that every line stands in the table that it belongs to, as many words long as the others there."""
     lines = iter(data.splitlines())
     cells = 0
+    seen: set[bytes] = set()
     for line in lines:
         keyword, equals, value = (part.strip() for part in line.partition(b"="))
         if not keyword or keyword.startswith(b"%"):
             continue
         if not equals:
             raise ReadError(f"its line {shown(line.strip())} stands outside its tables: its counts are wrong")
+        if keyword in seen or (keyword == b"NZONE" and value.split()[:1] != [b"1"]):
+            raise ReadError(
+                f"its {keyword.decode()} says that it has several zones, of which one is read: write each into a file",
+                code="not_read",
+            )
+        seen |= {keyword} & set(_SU2_NEEDED)
         if keyword not in (b"NPOIN", b"NELEM", b"MARKER_ELEMS"):
             continue
         stated = re.match(rb"\d{1,18}(?!\S)", value)
@@ -178,7 +183,14 @@ def _su2(data: bytes) -> int:
                 f"the rows of its {keyword.decode()} are not alike, or too few: it was cut short or damaged",
                 code="cut_short",
             )
+    if missing := [each.decode() for each in _SU2_NEEDED if each not in seen]:
+        raise ReadError(f"it has no {missing[0]}: it was cut short, export it again", code="cut_short")
     return cells
+
+
+def plain_su2(data: bytes) -> bytes:
+    """Return an SU2 file without blanks about its keywords, in which meshio would not know them."""
+    return _SU2_KEYWORD.sub(rb"\1=", data)
 
 
 def without_comments(data: bytes) -> bytes:
@@ -218,65 +230,3 @@ def _nastran(data: bytes) -> int:
                 f"its card {shown(card)} is not read: write elements in small or free field format", code="not_read"
             )
     return len(cards)
-
-
-def _hdf5(path: Path) -> None:
-    """Refuse a file whose data sets are out of all proportion to its size, or lie in other files."""
-    if importlib.util.find_spec("h5py") is None:
-        raise ReadError("MED and XDMF need the package h5py: pip install 'inertia[med]'", code="needs_package")
-    h5py = importlib.import_module("h5py")
-    sizes: list[int] = []
-
-    def add(name: str, item: Any) -> None:
-        for each in item if isinstance(item, h5py.Group) else ():
-            if isinstance(item.get(each, getlink=True), h5py.ExternalLink):
-                raise ReadError(f"its entry {shown(f'{name}/{each}')} lies in another file: {_TOGETHER}")
-        if isinstance(item, h5py.Dataset):
-            if item.external or item.is_virtual:
-                raise ReadError(f"its data set {shown(name)} lies in another file: {_TOGETHER}")
-            sizes.append(int(item.size or 0) * int(item.dtype.itemsize))
-
-    try:
-        with h5py.File(path, "r") as file:
-            add("", file)
-            file.visititems(add)
-    except ReadError:
-        raise
-    except Exception as error:  # h5py passes on whatever a damaged file leads to
-        raise ReadError(f"it is a damaged HDF5 file ({shown(str(error), 80)}): export it again") from None
-    limit = max(_SPARSE_FREE, _SPARSE_RATIO * path.stat().st_size)
-    if sum(sizes) > limit:
-        raise ReadError(
-            f"its data sets unpack to {sum(sizes)} bytes, beyond the {limit} allowed: it is damaged", code="too_large"
-        )
-
-
-_TOGETHER = "write all of it into one HDF5 file"
-
-
-def _xdmf(path: Path) -> None:
-    """Refuse raw binary files, which meshio would read from anywhere, and HDF5 files outside the folder."""
-    if importlib.util.find_spec("h5py") is None:
-        raise ReadError("MED and XDMF need the package h5py: pip install 'inertia[med]'", code="needs_package")
-    checked: set[Path] = set()
-    root = parse_xml(path.read_bytes())
-    grids = list(root.iter("Grid"))
-    kinds = {grid.get("GridType", "Uniform") for grid in grids}
-    if len(grids) > 1 or kinds - {"Uniform"}:
-        raise ReadError(
-            f"it has {plural(len(grids), 'grid')} ({', '.join(sorted(kinds))}), but one, uniform, is read: write it so",
-            code="not_read",
-        )
-    if any(not (item.text or "").strip() for grid in grids for item in grid.findall("Information")):
-        raise ReadError("its grid has an Information without text, which is not read: leave that out", code="not_read")
-    for item in root.iter():  # a `Reference` may make any element a data item
-        kind = item.get("Format", "").upper()
-        if kind == "BINARY":
-            raise ReadError(
-                "it keeps its data in raw binary files, which are not read: use HDF5 or XML", code="not_read"
-            )
-        if kind == "HDF":
-            beside = beneath(path.resolve().parent, (item.text or "").strip().partition(":")[0])
-            if beside not in checked:
-                _hdf5(beside)
-            checked.add(beside)

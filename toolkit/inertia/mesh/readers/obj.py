@@ -1,4 +1,4 @@
-"""Wavefront OBJ: polygons over shared vertices, in named objects or groups.
+"""Wavefront OBJ: polygons over shared vertices, or lines where there are no polygons, in named objects or groups.
 
 A negative index counts back from the line that it stands on. A # behind the numbers of a line begins a comment; in a
 name it may be part of that (`o Body #2`). A keyword that OBJ does not know is an error, because it may be a damaged
@@ -8,6 +8,7 @@ face.
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ import numpy as np
 from inertia.arrays import Float, Int
 from inertia.errors import ReadError
 from inertia.mesh.part import Regions
+from inertia.mesh.readers.cells import cell_contents
 from inertia.mesh.readers.contents import (
     UNNAMED,
     Contents,
@@ -39,12 +41,14 @@ _AFTER_SLASH = re.compile(rb"/\S*")
 
 
 def read_obj(path: Path) -> Contents:
-    """Read an OBJ file: its faces, and the object of each (or, in a file without objects, the group)."""
+    """Read an OBJ file: its faces or else its lines, and the object of each (or, without objects, the group)."""
     data = _text(path)
     points: list[bytes] = []
     polygons: list[bytes] = []
-    before: list[int] = []  # vertices read before each face, from which its negative indices count
-    names: dict[bytes, list[tuple[int, bytes]]] = {b"o": [], b"g": []}
+    lines: list[bytes] = []
+    before: list[int] = []  # vertices read before each face, from which its negative indices count,
+    before_lines: list[int] = []  # and before each line
+    names: dict[bytes, list[tuple[int, int, bytes]]] = {b"o": [], b"g": []}
     strays = 0
     for number, line in enumerate(data.splitlines(), 1):
         word, *rest = line.split(None, 1) or [b"#"]
@@ -54,8 +58,11 @@ def read_obj(path: Path) -> Contents:
             polygons.append(_uncommented(rest))
             before.append(len(points))
         elif word in names:
-            names[word].append((len(polygons), b"".join(rest).strip()))
-        elif word in (b"l", b"p"):
+            names[word].append((len(polygons), len(lines), b"".join(rest).strip()))
+        elif word == b"l":
+            lines.append(_uncommented(rest))
+            before_lines.append(len(points))
+        elif word == b"p":
             strays += 1
         elif word == b"surf":
             raise ReadError(
@@ -63,16 +70,29 @@ def read_obj(path: Path) -> Contents:
             )
         elif word not in _KEYWORDS and not word.startswith(b"#"):
             raise ReadError(f"line {number} begins with {shown(word)}, which OBJ does not know: export it again")
-    if not polygons:
-        raise ReadError("it holds no faces, only points or lines: export the part as a surface mesh", code="empty")
+    if not polygons and not lines:
+        raise ReadError("it holds no faces, only points: export the part as a surface mesh", code="empty")
     vertices = _points(points)
-    counts, corners = _corners(polygons, np.array(before, np.int64), len(points))
-    whole, owner, notes = split_polygons(vertices, counts, corners)
+    regions = [(faces if polygons else edges, name) for faces, edges, name in names[b"o"] or names[b"g"]]
+    strays += len(lines) if polygons else 0
+    if polygons:
+        counts, corners = _corners(polygons, np.array(before, np.int64), len(points))
+        whole, owner, notes = split_polygons(vertices, counts, corners)
+        contents = Contents(whole, regions=_regions(regions, len(polygons), owner), notes=notes)
+    else:
+        counts, corners = _corners(lines, np.array(before_lines, np.int64), len(points), "line")
+        if (counts < 2).any():
+            raise ReadError(f"line {np.argmax(counts < 2)} has fewer than two vertices: export it again")
+        start = np.delete(np.arange(len(corners)), np.cumsum(counts) - 1)
+        contents = cell_contents(vertices, [("line", corners[start[:, None] + [0, 1]], None)])
+        owner = np.repeat(np.arange(len(lines)), counts - 1)
+        contents = replace(contents, regions=_regions(regions, len(lines), owner))
     if strays:
-        notes += (f"{plural(strays, 'line or point element')} beside the faces {was(strays)} left out",)
-    regions = _regions(names[b"o"] or names[b"g"], len(polygons), owner)
+        what = "line or point element" if polygons else "point element"
+        more = f"{plural(strays, what)} beside the {'faces' if polygons else 'lines'} {was(strays)} left out"
+        contents = replace(contents, notes=(*contents.notes, more))
     rounding = rounding_of(vertices, lambda: b" ".join(points), lambda: _coordinates(path))
-    return Contents(whole, regions=regions, notes=notes, rounding=rounding)
+    return replace(contents, rounding=rounding)
 
 
 def _uncommented(rest: list[bytes]) -> bytes:
@@ -104,26 +124,27 @@ def _points(lines: list[bytes]) -> Float:
     return numbers(b" ".join(word for row in rows for word in row), np.float64, "vertex", lines).reshape(-1, 3)
 
 
-def _corners(lines: list[bytes], before: Int, points: int) -> tuple[Int, Int]:
-    """Return how many corners each face has, and the vertex of each corner, counted from zero, of so many points."""
+def _corners(lines: list[bytes], before: Int, points: int, what: str = "face") -> tuple[Int, Int]:
+    """Return how many corners each face (or line) has, and the vertex of each corner, from zero, of so many points."""
     counts = np.array([len(line.split()) for line in lines], np.int64)
     text = b"\n".join(lines)
     if b"/" in text:
         text = _AFTER_SLASH.sub(b"", text)
-    corners: Int = numbers(text, np.int64, "face", lines)
+    corners: Int = numbers(text, np.int64, what, lines)
     if len(corners) != counts.sum():
-        raise ReadError("a corner of a face names no vertex before its slash: export it again")
+        raise ReadError(f"a corner of a {what} names no vertex before its slash: export it again")
     face = np.repeat(np.arange(len(counts)), counts)
     if (corners == 0).any():
         at = face[np.argmax(corners == 0)]
-        raise ReadError(f"face {at} names vertex 0, but OBJ counts from 1: export it again", code="node_out_of_range")
+        raise ReadError(f"{what} {at} names vertex 0, but OBJ counts from 1: export it again", code="node_out_of_range")
     nodes = np.where(corners > 0, corners - 1, corners + before[face])
     out = (nodes < 0) | (nodes >= points)
     if out.any():  # as the file numbers them
         at = int(np.argmax(out))
         extent = f"the vertices are 1 to {points}" if corners[at] > 0 else f"{before[face[at]]} stand before it"
         raise ReadError(
-            f"face {face[at]} names vertex {corners[at]}, but {extent}: export the mesh again", code="node_out_of_range"
+            f"{what} {face[at]} names vertex {corners[at]}, but {extent}: export the mesh again",
+            code="node_out_of_range",
         )
     return counts, nodes
 

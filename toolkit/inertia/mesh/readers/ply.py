@@ -1,4 +1,4 @@
-"""PLY, text or binary: whatever elements the header declares, of which vertices and faces are kept.
+"""PLY, text or binary: of the elements that the header declares, vertices and faces, or edges where there are no faces.
 
 Text is turned into float64 first, so that both kinds are rows of numbers of known size. Rows of one length
 (the usual case: triangles throughout) are viewed as one array, others are walked row by row. Source: G. Turk,
@@ -8,10 +8,11 @@ Text is turned into float64 first, so that both kinds are rows of numbers of kno
 from __future__ import annotations
 
 import os
+import re
 import struct
 from codecs import BOM_UTF8
 from collections.abc import Iterator
-from dataclasses import field
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Float, Int
 from inertia.errors import ReadError
 from inertia.mesh.external.memory import fits
+from inertia.mesh.readers.cells import cell_contents
 from inertia.mesh.readers.contents import Contents, numbers, require_finite, shown, split_polygons, text_of
 from inertia.mesh.readers.decimals import rounding_of
 from inertia.mesh.surface import FacesInFile, RowsInFile
@@ -36,6 +38,7 @@ _TYPES = {
 
 _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _CORNERS = ("vertex_indices", "vertex_index")
+_ENDS = ("vertex1", "vertex2")
 _HEADER_LIMIT = 2**20
 _VERTICES = 1 << 18  # read at a time
 _LINE_ENDS = 64  # bytes of them, at most, that may follow binary rows which stay in the file
@@ -71,7 +74,8 @@ def read_ply(path: Path, memory: float | None = None) -> Contents:
     with path.open("rb") as file:
         marked = file.read(_HEADER_LIMIT)
     head = marked.removeprefix(BOM_UTF8)
-    end = head.find(b"end_header")
+    last = re.search(rb"(?:\A|[\r\n])[ \t]*end_header\b", head)  # a comment may name it
+    end = -1 if last is None else last.end() - len(b"end_header")
     line_end = min((at for at in (head.find(b"\n", end), head.find(b"\r", end)) if at >= 0), default=-1)
     if end < 0 or line_end < 0:
         raise ReadError("its header has no end_header line: it was cut short, export it again", code="cut_short")
@@ -101,15 +105,18 @@ def read_ply(path: Path, memory: float | None = None) -> Contents:
             f"its element {shown(others[0])} lists vertices too, which is not read: export its triangles as faces",
             code="not_read",
         )
-    if "face" not in tables:
-        raise ReadError("it holds no faces: export the part as a surface mesh", code="empty")
-    counts, corners = _faces(tables["face"])
+    if "face" not in tables and "edge" not in tables:
+        raise ReadError("it holds no faces and no edges: export the part as a surface mesh", code="empty")
     vertices = _vertices(tables.get("vertex", {}))
-    whole, _, notes = split_polygons(vertices, counts, corners)
+    if "face" in tables:
+        whole, _, notes = split_polygons(vertices, *_faces(tables["face"]))
+        contents = Contents(whole, notes=notes)
+    else:
+        contents = cell_contents(vertices, [("line", _edges(tables["edge"]), None)])
     rounding = None
     if encoding == "ascii":
         rounding = rounding_of(vertices, lambda: text, lambda: _coordinates(text_of(path)[body:].split(), elements))
-    return Contents(whole, notes=notes, rounding=rounding)
+    return replace(contents, rounding=rounding)
 
 
 def _in_file(path: Path, elements: list[_Element], order: str, body: int, memory: float) -> FacesInFile | None:
@@ -271,13 +278,24 @@ def _faces(table: _Table) -> tuple[Int, Int]:
     if name is None:
         raise ReadError("its faces have no list named vertex_indices: export it again")
     corners, counts = table[name]
+    return counts, _indices(corners, "faces")
+
+
+def _edges(table: _Table) -> Int:
+    """Return the two vertices of each edge."""
+    if not all(name in table and (table[name][1] == 1).all() for name in _ENDS):
+        raise ReadError(f"its edges have no {' and '.join(_ENDS)}: export it again")
+    return np.stack([_indices(table[name][0], "edges") for name in _ENDS], axis=1)
+
+
+def _indices(corners: NDArray[Any], what: str) -> Int:
     if corners.dtype.kind in "fu":
         most = 2**53 if corners.dtype.kind == "f" else 2**63
         whole = (np.abs(corners) < most) & (np.floor(corners) == corners)
         if not whole.all():
             wrong = corners[np.argmin(whole)]
             raise ReadError(
-                f"its faces hold {wrong.item():.20g}, which is no index of a vertex: export it again",
+                f"its {what} hold {wrong.item():.20g}, which is no index of a vertex: export it again",
                 code="node_out_of_range",
             )
-    return counts, corners.astype(np.int64)
+    return corners.astype(np.int64)

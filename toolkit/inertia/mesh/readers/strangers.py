@@ -8,12 +8,14 @@ _EXPORT = "export the part as STEP, STL or 3MF"
 UTF_16 = rb"\xff\xfe|\xfe\xff|(?:[\t\n\r -~]\x00){16}|(?:\x00[\t\n\r -~]){16}"
 """How text in UTF-16 begins, of which no reader takes any; so may the header of a binary STL file."""
 
+_PROLOG = rb"\s*(?:<\?xml[^>]*>\s*)?(?:<!--(?:(?!-->)[\s\S])*-->\s*|<!(?!--)[^>]*>\s*)*"
+"""What may stand before the root of an XML document: its declaration, comments and a document type."""
 _UNPACK = "unpack it and give the mesh in it"
 
 _KINDS = (
     (rb"version https://git-lfs\.github\.com/spec/", "a pointer of Git LFS, not the file itself", "run `git lfs pull`"),
     (
-        rb"(?is)\s*(?:<\?xml[^>]*>\s*)?(?:<!--.*?-->\s*)*<(?:!doctype\s+html|html|head|body)\b",
+        _PROLOG + rb"(?i:<(?:!doctype\s+)?(?:html|head|body)\b)",
         "an HTML page",
         "download the file itself, not the page about it",
     ),
@@ -30,8 +32,8 @@ _KINDS = (
     (rb"Kaydara FBX Binary|; FBX ", "an FBX file", _EXPORT),
     (rb"BLENDER", "a Blender file", _EXPORT),
     (rb"#VRML", "a VRML file", _EXPORT),
-    (rb"(?s)\s*<\?xml[^>]*>\s*(?:<!.*?>\s*)*<X3D\b", "an X3D file", _EXPORT),
-    (rb"(?s)\s*<\?xml[^>]*>\s*<amf\b", "an AMF file", _EXPORT),
+    (_PROLOG + rb"<X3D\b", "an X3D file", _EXPORT),
+    (_PROLOG + rb"<amf\b", "an AMF file", _EXPORT),
     (rb"#usda|PXR-USDC", "a USD stage", "use it with `inertia audit`, or " + _EXPORT),
     (rb"RRF2", "a recording of Rerun", "give the mesh that it was made of"),
     (rb"7z\xbc\xaf\x27\x1c", "a 7-Zip archive", _UNPACK),

@@ -1,8 +1,9 @@
 """3MF: build items place objects, which are meshes or assemblies of objects, of this model or of another.
 
 Supports and other helpers of the printer are no part of the product and are left out, as components too: what a mesh is
-its own object says, not one that is made of components (section 4). Items that a slicer has marked ``printable="0"``
-count: the format knows no such attribute, and to any other program they are items as the rest.
+its own object says, not one that is made of components (section 4), or the settings of a slicer beside the model. Items
+that a slicer has marked ``printable="0"`` count: the format knows no such attribute, and to any other program they are
+items as the rest.
 Source: 3MF Consortium, "Core Specification" 1.3, sections 3 and 4, and "Production Extension" 1.1, section 4.
 """
 
@@ -35,6 +36,7 @@ from inertia.mesh.readers.contents import (
 )
 from inertia.mesh.readers.decimals import rounding_of, written
 from inertia.mesh.readers.placement import Exact, Placement
+from inertia.mesh.readers.slicers import SETTINGS, helpers
 from inertia.mesh.readers.zip import inflate
 from inertia.mesh.tree import MeshNode, unique
 from inertia.records import dataclass
@@ -136,21 +138,24 @@ def three_mf_tree(path: Path) -> Layout:
 
 def _build(path: Path) -> tuple[_Package, _Model, list[tuple[_Key, Placement]], tuple[str, ...]]:
     """Return what a file holds, what it builds of that but for the printer's helpers, and the notes."""
-    package = _Package(inflate(path, lambda name: name.endswith((".model", ".rels"))))
+    package = _Package(inflate(path, lambda name: name.endswith((".model", ".rels", *SETTINGS))))
     model = package.model(package.root)
+    marked = package.take_out_helpers()
     counts = [package.count(key) for key, _, _ in model.items]
     built = [item for item, (triangles, _) in zip(model.items, counts, strict=True) if triangles]
     if sum(triangles for triangles, _ in counts) > EXPANDED_LIMIT:
         raise ReadError(f"its components make more than {EXPANDED_LIMIT} triangles: split the build", code="too_large")
-    helpers = sum((own for _, own in counts), Counter[str]())
+    types = sum((own for _, own in counts), Counter[str]())
     notes = []
     if others := package.units - {model.unit}:
         which = " and ".join(sorted(unit.name for unit in others))
         notes.append(f"a model in it states the unit {which}, but was read in that of the build, {model.unit.name}")
-    if unbuilt := helpers.pop("other", 0):
+    if unbuilt := types.pop("other", 0):
         notes.append(f"{plural(unbuilt, 'object')} of the type other, which is not built, {was(unbuilt)} left out")
-    if supports := helpers.total():
+    if supports := types.total():
         notes.append(f"{plural(supports, 'support')} {was(supports)} left out")
+    if marked:
+        notes.append(f"{plural(marked, 'volume')}, which a slicer calls modifier or support, {was(marked)} left out")
     if unprinted := sum(not printed for _, _, printed in built):
         notes.append(
             f'{plural(unprinted, "build item")} that a slicer has marked as not to be printed (printable="0") '
@@ -189,6 +194,26 @@ class _Package:
                 raise ReadError(f"it refers to the part {shown(part)}, which it does not hold: export it again")
             self._models[part] = _parse_model(part, self._members[part])
         return self._models[part]
+
+    def take_out_helpers(self) -> int:
+        """Take what a slicer has marked as a modifier or a support out of the build, and return how many of these."""
+        objects = self.model(self.root).objects
+        runs, components = helpers(text for name, text in self._members.items() if name.endswith(SETTINGS))
+        marked = 0
+        for name, first, last in sorted(runs, key=lambda run: run[1], reverse=True):
+            if name in objects:
+                marked += 1
+                del objects[name].corners[3 * first : 3 * (last + 1)]
+        for name, inside in components:
+            if (item := objects.get(name)) is not None:
+                kept = [
+                    (key, place)
+                    for key, place in item.components
+                    if key[1] != inside or self.object(key).type in _HELPERS  # which is left out as it is
+                ]
+                marked += len(item.components) - len(kept)
+                item.components = kept
+        return marked
 
     @property
     def units(self) -> set[Unit]:

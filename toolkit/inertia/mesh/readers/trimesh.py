@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import importlib
 import io
+import re
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import field
 from typing import Any, NamedTuple
@@ -118,13 +119,22 @@ def _arrays(mesh: dict[str, Any]) -> tuple[Float, Int]:
     return mesh["vertices"], np.asarray(mesh["faces"], np.int64)
 
 
+_EMPTY_TYPE = re.compile(rb"<!DOCTYPE[^<>\[]*(?:\[\s*\]\s*)?>")
+
+
 class _Builder(ElementTree.TreeBuilder):
-    """XML without document types, and so without entities: whatever else a file asks for is not fetched."""
+    """XML whose document type declares nothing in the file, and so no entities; what it refers to is not fetched."""
 
     depth = 0
 
+    def __init__(self, data: bytes) -> None:
+        super().__init__()
+        # a zero byte is that of UTF-16, in which the pattern finds nothing
+        self.declares = data.count(b"<!DOCTYPE") != 1 or b"\0" in data or _EMPTY_TYPE.search(data) is None
+
     def doctype(self, name: str, public: str | None, system: str | None) -> None:
-        raise ReadError("it declares a document type, which nothing here needs: export it again")
+        if self.declares:
+            raise ReadError("it declares a document type with contents, which nothing here needs: export it again")
 
     def start(self, tag: str, attributes: dict[str, str]) -> Element:
         self.depth += 1
@@ -139,7 +149,7 @@ class _Builder(ElementTree.TreeBuilder):
 
 def parse_xml(data: bytes) -> ElementTree.Element:
     """Return the root of an XML text, all tags without their namespaces, and that of the root as its `xmlns`."""
-    parser = ElementTree.XMLParser(target=_Builder())
+    parser = ElementTree.XMLParser(target=_Builder(data))
     try:
         parser.feed(data)
         root: ElementTree.Element = parser.close()
