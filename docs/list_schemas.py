@@ -42,8 +42,8 @@ check two_region_bar.vtk
 audit robots/arm.urdf
 simulate scenes/t_handle.toml --samples 3
 simulate scenes/cat.toml --samples 4
-simulate scenes/heavy_top.toml --samples 5
-simulate scenes/thrown_box.toml --samples 6 -o series.csv
+simulate scenes/heavy_top.toml --samples 5 -o series.csv
+simulate scenes/thrown_box.toml --samples 6 -o series.csv --force
 simulate scenes/rolling_disc.toml --samples 7
 simulate scenes/boom_satellite.toml --for 100 --samples 4
 simulate scenes/spinning_top.toml --explain
@@ -61,6 +61,7 @@ balance measure jobs/fan.toml
 balance measure jobs/two_disc_rotor.toml
 assembly assemblies/fan.toml
 assembly assemblies/gripper.toml --interference
+assembly robots/arm.urdf --interference
 assembly assemblies/arm.toml
 budget assemblies/cubesat.toml
 budget assemblies/fan.toml
@@ -85,11 +86,13 @@ analysis.error.repair.center_of_mass analysis.error.repair.inertia analysis.iner
 analysis.uncertainty.principal_axes[] analysis.uncertainty.expanded.principal_axes[] check.findings[].place
 audit.links[].stated audit.links[].computed audit.links[].difference audit.links[].triangle_margin
 audit.links[].stated.mass audit.links[].stated.center_of_mass audit.links[].stated.inertia
-assembly.error.inertia budget.verdict budget.total.bound.inertia run.body.part plan.body.part plan.method
+assembly.error.inertia budget-diff.limits[][] budget-diff.changes[].sigma[] budget-diff.changes[].maturity[]
+budget-diff.changes[].category[] budget.verdict budget.total.bound.inertia run.body.part run.body.mass
+plan.body.part plan.body.mass plan.method
 run.quantities.* run.quantities.*[] ensemble.quantities.*.drivers trade.rows[].error trade.accuracy
 trade.recommendations[].row trade-scene.accuracy trade-scene.reference
 trade-scene.rows[].error trade-scene.recommendations[].row batch.lot
-run-table.scene_sha256 balance measurement
+run-table.scene_sha256 run-table.parts.* run-table.figures.* run-table.figures.*[] balance measurement
 """
 """What may be null although no document of these says so; of a balance and a measurement: all that has no value."""
 

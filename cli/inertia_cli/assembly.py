@@ -148,14 +148,18 @@ def _to_toml(options: argparse.Namespace) -> int:
     from inertia.assembly.document import Assembly
     from inertia.assembly.outline import outline, rounded
     from inertia.documents import toml_text
+    from inertia.errors import UsageError
     from inertia.output import require_writable, write_whole
+    from inertia.standard_input import NAME, path_of
 
     out = options.to_toml
     if out != "-":
         require_writable(out, ".toml", force=options.force)
     _require_carried(options)
     folder = Path() if out == "-" else Path(out).parent
-    table, notes, *_ = outline(Path(options.part), folder, options.unit, by_name("joint", options.joint))
+    table, notes, *_ = outline(path_of(options.part), folder, options.unit, by_name("joint", options.joint))
+    if options.part == NAME and any(part.get("file") == NAME for part in table["part"]):
+        raise UsageError("--to-toml names the file of the meshes, and standard input has no name: name a file")
     Assembly.from_dict(table, name=options.part)  # refuses what could not be read again
     text = toml_text(rounded(table))
     for note in notes:

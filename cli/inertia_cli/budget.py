@@ -25,7 +25,8 @@ def add(parsers: Any) -> None:
         "budget",
         help="the mass budget of an assembly: allowances, uncertainties, limits",
         description="List what each part of an assembly contributes to its mass, with growth allowances and standard "
-        "uncertainties, and judge the limits; exit code 5 if one is exceeded, 4 if one is undecided.",
+        "uncertainties, and judge the limits; exit code 5 if one is exceeded, 4 if one is undecided, with --diff of "
+        "NEW.",
         epilog=_EXAMPLES,
     )
     parser.set_defaults(run=run)
@@ -107,4 +108,4 @@ def _diff(options: argparse.Namespace) -> int:
         budgets.append(assembly_of(options).budget())
     comparison = compare(*budgets)
     show(options.json, lambda: comparison_document(comparison), lambda: comparison_text(comparison))
-    return max(tell_of_partial(budget.assembly) for budget in budgets)
+    return max(tell_of_partial(budget.assembly) for budget in budgets) or _CODES[comparison.new.verdict]

@@ -1,12 +1,17 @@
 """Parts that share space, against boxes whose common volume is known."""
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+import inertia
 from inertia.assembly.document import Assembly
+from inertia.assembly.sheets import thickened
+from inertia.errors import GeometryError
 from inertia_cli.main import main
 from inertia_meshes import path
 
@@ -84,3 +89,99 @@ def test_a_shaft_in_its_hub_is_in_contact(tmp_path: Path, capsys: pytest.Capture
     assert pair["parts"] == ["hub", "shaft"]
     assert pair["volume"] == pytest.approx(3.14159 * (7**2 - 6**2) * 24e-9, rel=0.01)
     assert main(["assembly", fan, "--clearance", "-1"]) == 2
+
+
+def obj(folder: Path, name: str, points: np.ndarray, faces: list[list[int]]) -> str:
+    rows = [f"v {x:.17g} {y:.17g} {z:.17g}" for x, y, z in points]
+    rows += ["f " + " ".join(str(k + 1) for k in face) for face in faces]
+    (folder / name).write_text("\n".join(rows))
+    return str(folder / name)
+
+
+CORNERS = np.array([[x, y, z] for x in (-10, 10) for y in (-10, 10) for z in (-10, 10)])
+WALLS = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+SQUARE = np.array([[0, 0, 3], [30, 0, 3], [30, 40, 3], [0, 40, 3]])
+
+
+def sheet(file: str, **fields: Any) -> dict[str, Any]:
+    return {"name": "sheet", "file": file, "shell": 1.0, "density": 2700.0, **fields}
+
+
+@pytest.mark.parametrize("walls", [WALLS, WALLS[:5], [WALLS[0][::-1], *WALLS[1:]]], ids=["closed", "tray", "wound"])
+@pytest.mark.parametrize(
+    ("at", "side", "share"),
+    [((0, 0, 0), 4, 0), ((9, 0, 0), 4, 16), ((9, 9, 0), 4, 24), ((0, 0, -8), 3, 0), ((0, 0, 0), 20, 20**3 - 19**3)],
+)
+def test_a_housing_of_sheet_holds_what_is_in_it(
+    walls: list[list[int]], at: tuple[float, ...], side: float, share: float, tmp_path: Path
+) -> None:
+    pairs = assembly(
+        sheet(obj(tmp_path, "housing.obj", CORNERS, walls)), box("board", *at, size=[side] * 3)
+    ).interferences()
+    if side == 20 and len(walls) < 6:
+        share -= 0.5 * 19**2
+    assert sum(pair.volume for pair in pairs) == pytest.approx(share * 1e-9, rel=1e-9)
+
+
+def test_a_sheet_through_a_block_shares_its_thickness_with_it(tmp_path: Path) -> None:
+    flat = sheet(obj(tmp_path, "flat.obj", SQUARE, [[0, 1, 2, 3]]))
+    (pair,) = assembly(box("block", 0, 0, 0), flat).interferences()
+    assert (pair.volume, pair.mass) == pytest.approx((25e-9, 25e-6))
+    (pair,) = assembly(box("block", 0, 0, -2.6), flat).interferences(1e-3)
+    assert pair.gap == pytest.approx(0.1e-3)
+
+
+def test_sheets_that_are_welded_in_an_edge_are_looked_at(tmp_path: Path) -> None:
+    tee = np.vstack([SQUARE, [[15, 0, 3], [15, 40, 3], [15, 40, 23], [15, 0, 23]]])
+    file = obj(tmp_path, "tee.obj", tee, [[0, 4, 5, 3], [4, 1, 2, 5], [4, 5, 6, 7]])
+    (pair,) = assembly(box("block", 15, 20, 15), sheet(file)).interferences()
+    assert pair.volume == pytest.approx(100e-9)
+
+
+def test_a_bent_sheet_has_the_volume_between_its_sides() -> None:
+    mesh = inertia.read(path("sphere.stl"), unit="mm").triangles.corners()
+    radius = float(np.linalg.norm(mesh, axis=2).max())
+    solid = thickened(mesh, radius / 10)
+    assert solid is not None
+    volume = float(np.linalg.det(solid).sum()) / 6
+    assert volume == pytest.approx(4 / 3 * math.pi * radius**3 * (1.05**3 - 0.95**3), rel=0.01)
+    assert thickened(mesh, 4 * radius) is None
+
+
+def test_cells_are_looked_at_by_their_outside() -> None:
+    bar = {"name": "bar", "file": str(path("two_region_bar.vtk")), "density": 1000.0, "unit": "mm"}
+    points = inertia.read(path("two_region_bar.vtk"), unit="mm").geometry.points
+    low, high = points.min(axis=0), points.max(axis=0)
+    (pair,) = assembly(bar, box("around", *(low + high) / 2, size=list(high - low + 2))).interferences()
+    assert pair.volume == pytest.approx(np.prod(high - low) * 1e-9)
+
+
+def test_what_cannot_be_looked_at_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+    arms = np.stack([np.cos(angles / 2) * np.cos(angles), np.cos(angles / 2) * np.sin(angles), np.sin(angles / 2)], 1)
+    middle = 30 * np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
+    strip = np.vstack([middle - 5 * arms, middle + 5 * arms])
+    faces = [[k, k + 1, k + 13, k + 12] for k in range(11)] + [[11, 12, 0, 23]]  # half a turn
+    obj(tmp_path, "moebius.obj", strip, faces)
+    weighed = 'name = "w"\nmass = 1\ninertia = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n'
+    (tmp_path / "a.toml").write_text(
+        f'[[part]]\nname = "m"\nfile = "moebius.obj"\nshell = 1\n[[part]]\n{weighed}[[part]]\nname = "p"\n'
+        'shape = "point"\nmass = 1\n'
+    )
+    assert main(["assembly", str(tmp_path / "a.toml"), "--interference"]) == 0
+    text = capsys.readouterr().out
+    assert "Interference      none of the parts that were looked at" in text
+    assert "Not looked at     w: only what it weighs is stated" in text
+    assert main(["assembly", str(tmp_path / "a.toml"), "--interference", "--json"]) == 0
+    assert [each["part"] for each in json.loads(capsys.readouterr().out)["unexamined"]] == ["m", "w"]
+
+
+def test_a_part_of_which_no_clearance_can_be_had_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(*_: Any) -> None:
+        raise GeometryError("manifold3d does not take it")
+
+    monkeypatch.setattr("inertia.assembly.interference.solid", refused)
+    whole = assembly(box("a", 0, 0, 0), box("b", 11, 0, 0))
+    assert whole.interferences() == ()
+    with pytest.raises(GeometryError, match="the clearance of a cannot be had"):
+        whole.interferences(2e-3)

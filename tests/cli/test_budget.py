@@ -2,7 +2,9 @@
 
 import csv
 import json
+import math
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -122,6 +124,54 @@ def test_what_changed_is_told_part_by_part(tmp_path: Path, capsys: pytest.Captur
     assert main(["budget", "--diff", FAN, FAN]) == 0
     assert "No part changed." in capsys.readouterr().out
     assert main(["budget", FAN, "--diff", FAN, FAN]) == 2
+
+
+_PART = """[[part]]
+name = "{name}"
+shape = "point"
+mass = "{mass}"
+{more}
+"""
+_WHOLE = _PART.format(name="a", mass="1±0.01", more="{more}") + _PART.format(
+    name="b", mass="2±{u}", more='parent = "a"'
+)
+
+
+def _changed(tmp_path: Path, limit: float = 4, more: str = "", u: float = 0.02) -> str:
+    file = tmp_path / f"{limit}{more[:8]}{u}.toml"
+    limits = f'[[limit]]\nwhat = "mass"\nmax = {limit}\n'
+    file.write_text(_WHOLE.format(more=more, u=u) + limits, encoding="utf-8")
+    return str(file)
+
+
+@pytest.mark.parametrize(
+    ("new", "code", "says"),
+    [
+        ({"limit": 2.5}, 5, ["New limit         mass ≤ 2.5 kg: 3.000 ± 0.044 (95 %) kg, margin -0.5: FAIL", "No part"]),
+        ({"u": 2}, 4, ["3.000 ± 0.044 (95 %) → 3.0 ± 3.9 (95 %) kg (+0)", "a/b   changed", "u 0.02 → 2 kg"]),
+        ({"more": "maturity = 'actual'"}, 0, ["a     changed", "maturity none → actual"]),
+        ({"more": "position_uncertainty = 3"}, 0, ["a     changed", "its uncertainty"]),
+    ],
+)
+def test_what_flips_a_verdict_is_told_where_no_figure_changed(
+    new: dict[str, Any], code: int, says: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    files = _changed(tmp_path), _changed(tmp_path, **new)
+    assert main(["budget", "--diff", *files]) == code
+    text = capsys.readouterr().out
+    assert [word for word in says if word not in text] == []
+    assert main(["budget", "--diff", *files, "--json"]) == code
+    document = json.loads(capsys.readouterr().out)
+    assert [limit["limit"][1] for limit in document["limits"][0]] == [4, new.get("limit", 4)]
+    assert document["sigma"][1]["mass"] == pytest.approx(math.hypot(0.01, new.get("u", 0.02)))
+
+
+def test_a_limit_of_one_file_alone_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    old = Path(_changed(tmp_path))
+    new = tmp_path / "new.toml"
+    new.write_text(old.read_text(encoding="utf-8").partition("[[limit]]")[0], encoding="utf-8")
+    assert main(["budget", "--diff", str(old), str(new)]) == 0
+    assert "New limit         none\n" in capsys.readouterr().out
 
 
 def test_a_part_beside_one_of_its_name_in_a_nested_file_is_compared_by_itself(

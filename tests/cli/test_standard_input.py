@@ -131,3 +131,34 @@ def test_a_list_of_parts_is_told_by_its_contents(data: bytes) -> None:
     result = run("audit", "-", "--json", data=data, folder=path("cube.stl").parent)
     assert [link["name"] for link in json.loads(result.stdout)["links"]] == ["cube"]
     assert run("audit", "-", data=b"nothing").returncode == 3
+
+
+_BILL = b'name,shape,size,mass\n1,box,"[3, 2, 1]",0.5\n'
+_OBJ = b"v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+
+
+@pytest.mark.parametrize("command", ["assembly", "budget"])
+@pytest.mark.parametrize(
+    ("data", "mass"),
+    [
+        (_BILL, 0.5),
+        (b'name = "a, b"\n[[part]]\nname = "b"\nshape = "point"\nmass = 0.25\n', 0.25),
+        (_OBJ, 1e-6 * 1000 / 6),
+        (b'<robot name="r"><link name="l"><inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" '
+         b'ixz="0" iyz="0"/></inertial></link></robot>', 2),
+    ],
+)  # fmt: skip
+def test_a_tree_is_told_by_its_contents(command: str, data: bytes, mass: float, tmp_path: Path) -> None:
+    result = run(command, "-", "--json", data=data, folder=tmp_path)
+    document = json.loads(result.stdout)
+    assert document.get("total", document)["mass"] == pytest.approx(mass)
+
+
+def test_a_file_that_is_called_as_standard_input_is(tmp_path: Path) -> None:
+    (tmp_path / "-").write_bytes(b'[[part]]\nname = "b"\nshape = "point"\nmass = 0.25\n')
+    assert json.loads(run("assembly", "./-", "--json", data=_BILL, folder=tmp_path).stdout)["mass"] == 0.25
+
+
+def test_what_came_in_is_no_file_that_an_assembly_could_name(tmp_path: Path) -> None:
+    result = run("assembly", "-", "--to-toml", data=_OBJ, folder=tmp_path)
+    assert (result.returncode, b"standard input has no name" in result.stderr) == (2, True)

@@ -36,6 +36,12 @@ def reason_of(error: OSError) -> str:
     return _REASONS.get(error.errno or 0, f"{error.strerror or error}: check the path and the disk")
 
 
+def path_of(name: str | os.PathLike[str]) -> Path:
+    """Return a name as a path: `-` of standard input alone, and the whole path of a file that is called so."""
+    path = Path(name)
+    return path.absolute() if str(path) == NAME != os.fspath(name) else path
+
+
 def file_of(name: str) -> Path:
     """Return the file to be read that a name stands for: of `-` one that holds all of standard input until the end.
 

@@ -15,6 +15,12 @@ from inertia.tables import cell_text
 _DECIMAL_COMMA = re.compile(r"\d,\d")
 
 
+def is_bill(text: str) -> bool:
+    """Say whether a text without a name is such a table, and no TOML: its first line names the column `name`."""
+    first = text.lstrip().partition("\n")[0]
+    return "name" in (cell.strip(' "\r').lower() for cell in re.split("[,;\t]", first))
+
+
 def parts_of(text: str) -> list[dict[str, Any]]:
     """Return the parts as tables.
 

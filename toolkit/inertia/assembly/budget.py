@@ -192,6 +192,7 @@ class _Lines:
             allowance = (share or 0.0) * float(moments[:, 0].sum())
             for each in node.body.inputs:
                 _add(changes, each.label, _grown(self._placed(each, frames, moments), share or 0.0))
+        alone = moments.copy(), dict(changes)
         for child in node.children:
             line, inner, moved = self._line(child, level + 1, (own, maturity, category))
             children.append(line)
@@ -199,11 +200,9 @@ class _Lines:
             allowance += line.allowance
             for label, change in moved.items():
                 _add(changes, label, change)
-        if fields is not None:
-            for label, change in self._misplaced(node, frames, moments):
-                _add(changes, label, _grown(change, 0.0))
         whole = moments.sum(axis=0)
-        center, tensor, sigma = central_of(whole, changes)
+        center, tensor, sigma = central_of(whole, self._with_misplaced(node, frames, moments, changes))
+        own_sigma = central_of(alone[0].sum(axis=0), self._with_misplaced(node, frames, *alone))[2]
         line = Line(
             node.name,
             level,
@@ -215,6 +214,7 @@ class _Lines:
             self._places.center + center,
             tensor,
             sigma,
+            own_sigma,
             tuple(children),
         )
         return line, moments, changes
@@ -237,6 +237,14 @@ class _Lines:
             result[:, 1:4] += turned.sum(axis=0) + np.outer(mass, d.sum(axis=0))
             result[:, 4:] += six_of(s)
         return result
+
+    def _with_misplaced(
+        self, node: Node, frames: Sequence[Frame], moments: Float, changes: dict[str, Float]
+    ) -> dict[str, Float]:
+        """Add the changes for each copy being misplaced to those of its inputs, and return them."""
+        for label, change in self._misplaced(node, frames, moments) if node.fields is not None else ():
+            _add(changes, label, _grown(change, 0.0))
+        return changes
 
     def _misplaced(self, node: Node, frames: Sequence[Frame], moments: Float) -> Iterator[tuple[str, Float]]:
         """Yield the changes for each copy by itself being moved, and turned about its origin."""

@@ -2,29 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Literal
+from collections.abc import Iterable, Iterator
+from typing import Literal, TypeVar
 
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.assembly.budget import Budget
+from inertia.assembly.limits import Limit
 from inertia.assembly.lines import Line
 from inertia.mass.tensor import point_inertia
 from inertia.records import dataclass
 
 _SAME = 1e-12  # of the whole: less is rounding
+SPREAD = 1e-9
+"""Of an uncertainty: less is rounding."""
+
+Named = TypeVar("Named")
 
 
 @dataclass(frozen=True, eq=False)
 class Own:
-    """What a line has beside the lines below it, all copies together; SI, about the origin of the whole."""
+    """What a line has beside the lines below it, all copies together; SI, about the origin of the whole.
+
+    `spread` (11,) are its standard uncertainties, as of `Sigma.all`.
+    """
 
     quantity: int
     mass: float
     predicted_mass: float
     first: Float
     tensor: Float
+    spread: Float
+    maturity: str | None = None
+    category: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,11 +71,15 @@ class Change:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Two budgets, and the parts that differ, those that change the mass most first."""
+    """Two budgets, the parts that differ, those that change the mass most first, and the limits of both.
+
+    Limits are the same that are on the same; None stands for one that is not there.
+    """
 
     old: Budget
     new: Budget
     changes: tuple[Change, ...]
+    limits: tuple[tuple[Limit | None, Limit | None], ...]
 
 
 def compare(old: Budget, new: Budget) -> Comparison:
@@ -90,12 +105,18 @@ def compare(old: Budget, new: Budget) -> Comparison:
         center, tensor = _central(_summed([*rest, *([b] if b else [])]))
         was, stood = _central(whole)
         changes.append(Change(name, kind, a, b, center - was, tensor - stood))
-    return Comparison(old, new, tuple(sorted(changes, key=lambda each: (-abs(each.mass), each.name))))
+    limits = [_named((limit.what, limit) for limit in budget.limits) for budget in (old, new)]
+    return Comparison(
+        old,
+        new,
+        tuple(sorted(changes, key=lambda each: (-abs(each.mass), each.name))),
+        tuple((limits[0].get(what), limits[1].get(what)) for what in {**limits[0], **limits[1]}),
+    )
 
 
-def _named(lines: Iterator[tuple[str, Own]]) -> dict[str, Own]:
+def _named(lines: Iterable[tuple[str, Named]]) -> dict[str, Named]:
     """Return lines by name, those of a name that is there already numbered, as beside a nested file's own parts."""
-    result: dict[str, Own] = {}
+    result: dict[str, Named] = {}
     for name, own in lines:
         key, number = name, 1
         while key in result:
@@ -115,6 +136,9 @@ def _own(line: Line, above: str = "") -> Iterator[tuple[str, Own]]:
         whole.predicted_mass - below.predicted_mass,
         whole.first - below.first,
         whole.tensor - below.tensor,
+        line.own_sigma.all,
+        line.maturity,
+        line.category,
     )
     if abs(own.mass) > _SAME * whole.mass:
         yield name, own
@@ -125,7 +149,8 @@ def _own(line: Line, above: str = "") -> Iterator[tuple[str, Own]]:
 def _all(line: Line) -> Own:
     center = line.center_of_mass
     tensor = line.inertia + point_inertia(line.basic_mass, center)
-    return Own(line.quantity, line.basic_mass, line.predicted_mass, line.basic_mass * center, tensor)
+    first = line.basic_mass * center
+    return Own(line.quantity, line.basic_mass, line.predicted_mass, first, tensor, line.sigma.all)
 
 
 def _summed(parts: list[Own]) -> Own:
@@ -135,6 +160,7 @@ def _summed(parts: list[Own]) -> Own:
         sum(part.predicted_mass for part in parts),
         sum((part.first for part in parts), np.zeros(3)),
         sum((part.tensor for part in parts), np.zeros((3, 3))),
+        np.zeros(11),
     )
 
 
@@ -146,10 +172,13 @@ def _central(whole: Own) -> tuple[Float, Float]:
 
 
 def _same(a: Own, b: Own, mass: float, size: float) -> bool:
+    length = (size / mass) ** 0.5 if mass else 0.0
+    least = _SAME * np.array([mass, *3 * [length], *6 * [size], mass])
     return (
-        a.quantity == b.quantity
+        (a.quantity, a.maturity, a.category) == (b.quantity, b.maturity, b.category)
         and abs(a.mass - b.mass) <= _SAME * mass
         and abs(a.predicted_mass - b.predicted_mass) <= _SAME * mass
         and float(np.abs(a.tensor - b.tensor).max()) <= _SAME * size
         and float(np.abs(a.first - b.first).max()) <= _SAME * (mass * size) ** 0.5
+        and bool((np.abs(a.spread - b.spread) <= least + SPREAD * np.maximum(a.spread, b.spread)).all())
     )

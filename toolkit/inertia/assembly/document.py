@@ -5,18 +5,19 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, Self
 
-from inertia.assembly.bill import parts_of
+from inertia.assembly.bill import is_bill, parts_of
 from inertia.assembly.budget import Budget, budget
 from inertia.assembly.fields import AssemblyFields
-from inertia.assembly.interference import Interference, interferences
-from inertia.assembly.outline import is_carried, outline, relative
+from inertia.assembly.interference import Interference, interferences, unexamined
+from inertia.assembly.outline import carried, outline, relative
 from inertia.assembly.tree import PartTree
 from inertia.documents import document_schema
 from inertia.errors import ReadError, placed
 from inertia.records import dataclass
+from inertia.standard_input import NAME as STANDARD_INPUT
+from inertia.standard_input import path_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +38,7 @@ class Assembly(PartTree):
 
         Raises `ReadError`, `UsageError`; `GeometryError` for a robot of which a link has what no body can have.
         """
-        return cls.carried_by(path) if is_carried(Path(path)) else super().load(path)
+        return cls.carried_by(path) if carried(path_of(path)) else super().load(path)
 
     @classmethod
     def carried_by(
@@ -50,7 +51,7 @@ class Assembly(PartTree):
         unit : of the coordinates of meshes, in place of the file's own
         joints : of a robot by name, rad, or m of one that slides; of all others 0, or ``ref`` of MJCF
         """
-        file = Path(path)
+        file = path_of(path)
         table, remarks, tree, left_out = outline(file, file.parent, unit, joints)
         own = None if tree is None else (file.parent / relative(file, file.parent), unit, tree)
         whole = cls.from_dict(table, file.parent, name=os.fspath(path))
@@ -58,8 +59,8 @@ class Assembly(PartTree):
 
     @classmethod
     def loads(cls, text: str, folder: str | os.PathLike[str] = ".", name: str | None = None) -> Self:
-        """Read the text of a file; that of one called .csv is a bill of materials."""
-        if name is None or not name.lower().endswith(".csv"):
+        """Read the text of a file; that of one called .csv is a bill of materials, and `-` may be one."""
+        if name is None or not (name.lower().endswith(".csv") or (name == STANDARD_INPUT and is_bill(text))):
             return super().loads(text, folder, name)
         try:
             parts = parts_of(text)
@@ -80,6 +81,10 @@ class Assembly(PartTree):
         See `inertia.assembly.interference`.
         """
         return interferences(self, clearance)
+
+    def unexamined(self) -> dict[str, str]:
+        """Return the parts with an extent that `interferences` cannot look at, by name, and why."""
+        return unexamined(self)
 
 
 def json_schema() -> dict[str, Any]:

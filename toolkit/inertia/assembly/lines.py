@@ -81,6 +81,7 @@ class Line:
     center_of_mass : (3,) m, of all copies together
     inertia : (3, 3) kg m² about it
     sigma : standard uncertainties
+    own_sigma : those of what it has beside the lines below it, by itself
     children : the lines below it
     """
 
@@ -94,6 +95,7 @@ class Line:
     center_of_mass: Float
     inertia: Float
     sigma: Sigma
+    own_sigma: Sigma
     children: tuple[Line, ...]
 
     @property

@@ -11,21 +11,25 @@ import math
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from inertia.assembly.frames import is_rotation, is_unit
-from inertia.errors import InertiaError, UsageError, placed, visible
+from inertia.errors import InertiaError, ReadError, UsageError, placed, visible
 from inertia.mass.moments import dot
 from inertia.mesh.geometry.cell_shapes import volume_blocks
 from inertia.mesh.part import Cells, Part
 from inertia.mesh.read import read, read_tree
 from inertia.mesh.readers.contents import plural, was
-from inertia.mesh.readers.formats import format_of_name
+from inertia.mesh.readers.formats import format_of_name, sniff
 from inertia.mesh.tree import ONE, Matrix, MeshTree, Motion, determinant, rotation, times, unique
+from inertia.standard_input import NAME as STANDARD_INPUT
+from inertia.standard_input import file_of
 
 _ROBOTS = (".urdf", ".xml", ".mjcf", ".xacro", ".sdf", ".world", ".usd", ".usda", ".usdc", ".usdz")
+_LISTS = ("csv", "toml")  # of parts, which are no robots here but an assembly's
+_BEGINNING = 65_536  # bytes of standard input that are searched for what it is
 
 
 class Outline(NamedTuple):
@@ -40,9 +44,25 @@ class Outline(NamedTuple):
     left_out: tuple[str, ...] = ()
 
 
-def is_carried(path: Path) -> bool:
-    """Whether a file is, by its name, one that `outline` reads and no assembly file or bill of materials."""
-    return path.suffix.lower() in _ROBOTS or format_of_name(path) is not None
+def carried(path: Path) -> Literal["robot", "meshes"] | None:
+    """Return what a file is that `outline` reads, by its name, or by the contents of standard input.
+
+    None of an assembly file or a bill of materials, and of what has no such name.
+    """
+    if str(path) != STANDARD_INPUT:
+        return "robot" if path.suffix.lower() in _ROBOTS else "meshes" if format_of_name(path) is not None else None
+    from inertia.exchange.robots.read import format_of
+
+    spooled = file_of(STANDARD_INPUT)
+    with spooled.open("rb") as file:
+        head = file.read(_BEGINNING)
+    if format_of(head) not in (None, *_LISTS):
+        return "robot"
+    try:
+        sniff(spooled, head, spooled.stat().st_size)
+    except ReadError:
+        return None
+    return "meshes"
 
 
 def outline(path: Path, folder: Path, unit: str | None = None, joints: Mapping[str, float] | None = None) -> Outline:
@@ -57,7 +77,7 @@ def outline(path: Path, folder: Path, unit: str | None = None, joints: Mapping[s
     unit : of the coordinates, as of `inertia.read`; of a robot none
     joints : of a robot by name, rad, or m of one that slides; of all others 0, or ``ref`` of MJCF
     """
-    if path.suffix.lower() in _ROBOTS:
+    if carried(path) == "robot":
         if unit:
             raise UsageError(f"{path} is a robot, whose lengths are in metres: it takes no unit")
         return _of_robot(path, joints or {})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import field, replace
 from fnmatch import fnmatchcase
 from fractions import Fraction
@@ -35,6 +35,8 @@ _MOST_COPIES = 1_000_000
 _DEEPEST = 64  # assemblies in assemblies
 _NAMED = 5  # parts that a note lists
 _LEVELS = 100  # parts on parts, those of assemblies in assemblies counted on
+
+Triangulated = Callable[[PartFields, Body, Unit], Float | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,10 +182,15 @@ class PartTree(Document):
         result.__dict__.update(root=self.root, _library=self._library)
         return result
 
-    def surfaces(self) -> Iterator[tuple[Node, Float]]:
-        """Yield the triangles (m, 3, 3) m of each copy of each part in its place, turned in float64."""
+    def surfaces(self, of: Triangulated = triangles_of) -> Iterator[tuple[Node, Float]]:
+        """Yield the triangles (m, 3, 3) m of each copy of each part in its place, turned in float64.
+
+        Parameters
+        ----------
+        of : returns those of a part in its own axes; None of what has none
+        """
         for node, frames in self.in_places():
-            own = None if node.body is None or node.fields is None else triangles_of(node.fields, node.body, node.unit)
+            own = None if node.body is None or node.fields is None else of(node.fields, node.body, node.unit)
             for each in frames if own is not None else ():
                 turn = np.array([k / (1 << TURN_BITS) for k in each.rotation]).reshape(3, 3)
                 yield node, own @ turn.T + np.array([k / (1 << LENGTH_BITS) for k in each.origin])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from codecs import BOM_UTF8
 from collections import Counter
@@ -19,7 +18,7 @@ from inertia.exchange.robots.urdf import read_urdf
 from inertia.exchange.robots.usd import read_usd
 from inertia.mesh.readers.contents import shown
 from inertia.standard_input import NAME as STANDARD_INPUT
-from inertia.standard_input import file_of, reason_of
+from inertia.standard_input import file_of, path_of, reason_of
 
 READERS: dict[str, tuple[set[str], Callable[[Path], Robot]]] = {
     "urdf": ({"<robot"}, read_urdf),
@@ -40,10 +39,7 @@ def read_robot(path: str | Path) -> Robot:
 
     Raises `ReadError` where the file is missing, damaged or of another format.
     """
-    name = os.fspath(path)
-    path = Path(name)
-    if name != STANDARD_INPUT and str(path) == STANDARD_INPUT:
-        path = path.absolute()  # a file of that name
+    path = path_of(path)
     try:
         with file_of(str(path)).open("rb") as file:
             beginning = file.read(_BEGINNING)
@@ -56,30 +52,38 @@ def read_robot(path: str | Path) -> Robot:
             f"cannot read {path}: it is text in UTF-16, which no program for robots reads: save it as UTF-8",
             code="encoding",
         )
-    element = re.match(rb"\s*(<[\w.-]+)", _NO_ELEMENT.sub(b"", beginning))
-    suffix = path.suffix.lower() if name != STANDARD_INPUT else _suffix(beginning)
-    marks = {suffix, element[1].decode() if element else ""}
-    for known, reader in READERS.values():
-        if known & marks:
-            try:
-                robot = reader(path)
-                twice = [name for name, count in Counter(link.name for link in robot.links).items() if count > 1]
-                if twice:
-                    raise ReadError(f"more than one link is called {shown(twice[0])}: their names must differ")
-                return robot
-            except (ReadError, UsageError) as error:
-                raise placed(error, f"cannot read {path}") from None
+    kind = format_of(beginning, None if str(path) == STANDARD_INPUT else path.suffix.lower())
+    if kind is not None:
+        try:
+            robot = READERS[kind][1](path)
+            twice = [name for name, count in Counter(link.name for link in robot.links).items() if count > 1]
+            if twice:
+                raise ReadError(f"more than one link is called {shown(twice[0])}: their names must differ")
+            return robot
+        except (ReadError, UsageError) as error:
+            raise placed(error, f"cannot read {path}") from None
     raise ReadError(
         f"cannot read {path}: it is no robot of a known format ({', '.join(READERS)})", code="unknown_format"
     )
+
+
+def format_of(beginning: bytes, suffix: str | None = None) -> str | None:
+    """Return the format of a file by its first element or by how its name ends; None where both tell nothing.
+
+    Without the `suffix` of a name, as of standard input, the contents stand for it.
+    """
+    element = re.match(rb"\s*(<[\w.-]+)", _NO_ELEMENT.sub(b"", beginning))
+    marks = {_suffix(beginning) if suffix is None else suffix, element[1].decode() if element else ""}
+    return next((kind for kind, (known, _) in READERS.items() if known & marks), None)
 
 
 def _suffix(beginning: bytes) -> str:
     """Return how the name of what came by standard input would end."""
     if beginning.startswith((b"#usda", b"PXR-USDC")):
         return ".usd"
-    if beginning.startswith(b"PK\x03\x04"):
-        return ".usdz"
+    if beginning.startswith(b"PK\x03\x04"):  # of a package of USD, the first file is its stage
+        named = beginning[30 : 30 + int.from_bytes(beginning[26:28], "little")]
+        return ".usdz" if named.lower().endswith((b".usd", b".usda", b".usdc")) else ""
     if re.search(rb"(?m)^\s*\[\[part\]\]", beginning):
         return ".toml"
     return ".csv" if re.match(rb"[^<\n]*\bname\b[^<\n]*,", beginning) else ""

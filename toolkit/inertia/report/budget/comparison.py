@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
-from inertia.assembly.compare import Change, Comparison, Own
-from inertia.report.numerals import columns, number, row
+import numpy as np
+
+from inertia.assembly.compare import SPREAD, Change, Comparison, Own
+from inertia.report.budget.document import COLUMNS, limit_document, spread_document
+from inertia.report.budget.text import figure, limit_words
+from inertia.report.numerals import columns, row
 
 
 def comparison_document(comparison: Comparison) -> dict[str, Any]:
@@ -21,6 +26,8 @@ def comparison_document(comparison: Comparison) -> dict[str, Any]:
         "predicted_mass": [comparison.old.total.predicted_mass, comparison.new.total.predicted_mass],
         "center_of_mass": [old.center_of_mass.tolist(), new.center_of_mass.tolist()],
         "inertia": [old.inertia.tolist(), new.inertia.tolist()],
+        "sigma": [spread_document(each.total.sigma) for each in (comparison.old, comparison.new)],
+        "limits": [[None if limit is None else limit_document(limit) for limit in pair] for pair in comparison.limits],
         "changes": [
             {
                 "part": each.name,
@@ -28,6 +35,12 @@ def comparison_document(comparison: Comparison) -> dict[str, Any]:
                 "quantity": _pair(each, "quantity"),
                 "basic_mass": _pair(each, "mass"),
                 "predicted_mass": _pair(each, "predicted_mass"),
+                "sigma": [
+                    None if own is None else dict(zip(COLUMNS, own.spread.tolist(), strict=True))
+                    for own in (each.old, each.new)
+                ],
+                "maturity": _pair(each, "maturity"),
+                "category": _pair(each, "category"),
                 "effect": {
                     "mass": each.mass,
                     "predicted_mass": each.predicted_mass,
@@ -50,27 +63,39 @@ def _lines(comparison: Comparison) -> Iterator[str]:
     metres, unit = float(new.assembly.unit.metres), new.assembly.unit.name
     yield row("Old", f"{old.assembly.path}: {(old.verdict or 'no limits').upper()}")
     yield row("New", f"{new.assembly.path}: {(new.verdict or 'no limits').upper()}")
-    for label, a, b in (
-        ("Basic mass", old.properties.mass, new.properties.mass),
-        ("Predicted mass", old.total.predicted_mass, new.total.predicted_mass),
+    for label, what, of in (
+        ("Basic mass", "basic_mass", "mass"),
+        ("Predicted mass", "predicted_mass", "predicted_mass"),
     ):
-        yield row(label, f"{number(a)} → {number(b)} kg ({b - a:+.4g})")
+        a, b = (getattr(each.total, what) for each in (old, new))
+        both = [figure(getattr(each.total, what), getattr(each.total.sigma, of)) for each in (old, new)]
+        yield row(label, f"{' → '.join(both)} kg ({b - a:+.4g})")
     shift = (new.properties.center_of_mass - old.properties.center_of_mass) / metres
     moves = (f"{k:+.4g}" if abs(k) > 1e-9 else "0" for k in shift.tolist())
     yield row("Centre of mass", f"moves by {', '.join(moves)} {unit}")
     yield row("Tensor about it", f"{columns((new.properties.inertia - old.properties.inertia).diagonal())}  kg m² more")
     yield ""
+    for pair in comparison.limits:
+        words = [
+            "none" if limit is None else limit_words(limit, each.assembly.unit)
+            for limit, each in zip(pair, (old, new), strict=True)
+        ]
+        yield from [row("Limit", words[0])] if words[0] == words[1] else map(row, ("Old limit", "New limit"), words)
+    if comparison.limits:
+        yield ""
     if not comparison.changes:
         yield "No part changed."
         return
-    heads = ("part", "", "qty", "kg", "+kg", f"x +{unit}", "y", "z", "+Ixx kg m²", "+Iyy", "+Izz")
-    rows = [heads, *(_row(each, metres) for each in comparison.changes)]
+    heads = ("part", "", "qty", "kg", "+kg", f"x +{unit}", "y", "z", "+Ixx kg m²", "+Iyy", "+Izz", "")
+    nothing = 1e-12 * float(np.abs(old.properties.inertia).max())
+    rows = [heads, *((*_row(each, metres, nothing), ", ".join(_beside(each))) for each in comparison.changes)]
     widths = [max(len(each[k]) for each in rows) for k in range(len(heads))]
     for each in rows:
-        yield "  ".join(f"{cell:{'>' if k > 1 else '<'}{widths[k]}}" for k, cell in enumerate(each)).rstrip()
+        cells = (f"{cell:{'>' if 1 < k < len(heads) - 1 else '<'}{widths[k]}}" for k, cell in enumerate(each))
+        yield "  ".join(cells).rstrip()
 
 
-def _row(change: Change, metres: float) -> tuple[str, ...]:
+def _row(change: Change, metres: float, nothing: float) -> tuple[str, ...]:
     shift, more = change.center_of_mass / metres, change.inertia.diagonal()
     return (
         change.name,
@@ -79,8 +104,24 @@ def _row(change: Change, metres: float) -> tuple[str, ...]:
         _arrow(*(f"{own.mass:.5g}" if own else "" for own in (change.old, change.new))),
         f"{change.mass:+.4g}",
         *(f"{k:+.3g}" if abs(k) > 1e-9 else "0" for k in shift.tolist()),
-        *(f"{k:+.3g}" if abs(k) > 1e-30 else "0" for k in more.tolist()),
+        *(f"{k:+.3g}" if abs(k) > nothing else "0" for k in more.tolist()),
     )
+
+
+def _beside(change: Change) -> Iterator[str]:
+    """Yield what else changed of a part that is in both."""
+    old, new = change.old, change.new
+    if old is None or new is None:
+        return
+    a, b = old.spread, new.spread
+    if not math.isclose(a[0], b[0], rel_tol=SPREAD):
+        yield f"u {a[0]:.2g} → {b[0]:.2g} kg"
+    elif not np.allclose(a, b, rtol=SPREAD, atol=0.0):
+        yield "its uncertainty"
+    for name in ("maturity", "category"):
+        words = [getattr(own, name) or "none" for own in (old, new)]
+        if words[0] != words[1]:
+            yield f"{name} {' → '.join(words)}"
 
 
 def _arrow(old: str, new: str) -> str:

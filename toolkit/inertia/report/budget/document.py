@@ -56,6 +56,7 @@ def assembly_document(assembly: Assembly, pairs: Sequence[Interference] | None =
             }
             for each in pairs
         ]
+        document["unexamined"] = [{"part": name, "why": why} for name, why in assembly.unexamined().items()]
     return document
 
 
@@ -79,11 +80,11 @@ def budget_document(whole: Budget) -> dict[str, Any]:
                 "center_of_mass": whole.properties.error.center_of_mass,
                 "inertia": _finite(whole.properties.error.inertia),
             },
-            "sigma": _sigma(total.sigma),
+            "sigma": spread_document(total.sigma),
             "coverage_95": COVERAGE,
             "contributors": contributors(total.sigma),
         },
-        "limits": [_limit(limit) for limit in whole.limits],
+        "limits": [limit_document(limit) for limit in whole.limits],
         "parts": [_part(line) for line in total.children],
         "notes": list(whole.notes),
     }
@@ -109,7 +110,7 @@ def _part(line: Line) -> dict[str, Any]:
         "predicted_mass": line.predicted_mass,
         "center_of_mass": line.center_of_mass.tolist(),
         "inertia": line.inertia.tolist(),
-        "sigma": _sigma(line.sigma),
+        "sigma": spread_document(line.sigma),
     }
     if line.maturity is not None:
         part["maturity"] = line.maturity
@@ -120,7 +121,8 @@ def _part(line: Line) -> dict[str, Any]:
     return part
 
 
-def _sigma(sigma: Sigma) -> dict[str, Any]:
+def spread_document(sigma: Sigma) -> dict[str, Any]:
+    """Return standard uncertainties."""
     return {
         "mass": sigma.mass,
         "predicted_mass": sigma.predicted_mass,
@@ -134,7 +136,8 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _limit(limit: Limit) -> dict[str, Any]:
+def limit_document(limit: Limit) -> dict[str, Any]:
+    """Return a limit with what became of it."""
     return {
         "what": limit.what,
         "value": limit.value,

@@ -17,6 +17,7 @@ from inertia.units import Unit
 
 _LISTED = 60  # lines of the tree
 _CONTRIBUTORS = 8
+_NAMED = 10  # parts
 _NOTHING = 1e-9  # of the unit of length: what is less is rounding
 
 
@@ -33,7 +34,7 @@ def assembly_text(assembly: Assembly, pairs: Sequence[Interference] | None = Non
             f"mass {properties.error.center_of_mass:.2g} m; {properties.error.method}"),
         "",
         *_tree(whole.total, assembly.unit),
-        *_interferences(pairs, assembly.unit),
+        *_interferences(pairs, assembly),
         *_notes(assembly.notes),
     ]  # fmt: skip
     return "\n".join(lines)
@@ -54,7 +55,7 @@ def budget_text(whole: Budget) -> str:
         *_properties(whole),
         *(f"{'':18}± {_uncertain(u, off)}" for u in total.sigma.inertia if total.sigma.changes.size),
         "",
-        *(_limit(limit, unit) for limit in whole.limits),
+        *(row("Limit", limit_words(limit, unit)) for limit in whole.limits),
         *([""] if whole.limits else []),
         *_tree(total, unit),
         *_contributors(whole),
@@ -117,13 +118,14 @@ def _tree(total: Line, unit: Unit) -> Iterator[str]:
         yield f"… and {len(lines) - _LISTED} more: CSV, JSON and the report have them all"
 
 
-def _interferences(pairs: Sequence[Interference] | None, unit: Unit) -> Iterator[str]:
+def _interferences(pairs: Sequence[Interference] | None, assembly: Assembly) -> Iterator[str]:
     if pairs is None:
         return
+    unit, unexamined = assembly.unit, assembly.unexamined()
     metres = float(unit.metres)
     yield ""
     if not pairs:
-        yield row("Interference", "none")
+        yield row("Interference", "none of the parts that were looked at" if unexamined else "none")
     for each in pairs[:_LISTED]:
         place = ", ".join(f"{k / metres:.5g}" if abs(k) > _NOTHING * metres else "0" for k in each.place.tolist())
         what = f"{each.gap / metres:.4g} {unit.name} apart"
@@ -133,9 +135,14 @@ def _interferences(pairs: Sequence[Interference] | None, unit: Unit) -> Iterator
         yield row("Interference", f"{each.first} and {each.second}: {what}, near ({place})")
     if len(pairs) > _LISTED:
         yield f"… and {len(pairs) - _LISTED} more: JSON has them all"
+    for why in dict.fromkeys(unexamined.values()):
+        names = [name for name, reason in unexamined.items() if reason == why]
+        more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+        yield from wrapped("Not looked at", f"{', '.join(names[:_NAMED])}{more}: {why}")
 
 
-def _limit(limit: Limit, unit: Unit) -> str:
+def limit_words(limit: Limit, unit: Unit) -> str:
+    """Return a limit, what it is on with its interval, and what became of it."""
     length = limit.what.startswith("center_of_mass")
     scale = 1 / float(unit.metres) if length else 1.0
     name = unit.name if length else "kg" if limit.what.endswith("mass") else "kg m²"
@@ -144,7 +151,7 @@ def _limit(limit: Limit, unit: Unit) -> str:
     ends += [f"≤ {scale * limit.high:.6g}"] if limit.high is not None else []
     value = figure(scale * limit.value, scale * limit.uncertainty)
     margin = f", margin {scale * limit.margin:.4g}" if math.isfinite(limit.margin) else ""
-    return row("Limit", f"{limit.what} {' and '.join(ends)}{name}: {value}{name}{margin}: {limit.verdict.upper()}")
+    return f"{limit.what} {' and '.join(ends)}{name}: {value}{name}{margin}: {limit.verdict.upper()}"
 
 
 def _contributors(whole: Budget) -> Iterator[str]:
