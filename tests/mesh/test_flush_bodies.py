@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 import inertia
 from inertia.arrays import Float, Int
+from inertia.mesh.checks import near_bodies
 from inertia.mesh.cut import block
 from inertia.mesh.geometry.closure import closure, vectorised_closure
 from inertia.mesh.part import Part
@@ -300,8 +301,10 @@ def test_bodies_on_another_in_whose_box_they_lie(
     assert analysis.properties.volume == pytest.approx(1e-9 * sum(map(volume_of, solids)), rel=1e-5)
 
 
+@pytest.mark.parametrize("large", [near_bodies.LARGE, 0])
 @pytest.mark.parametrize("off", [0.0, 1e-13, -1e-13, 1e-8, -1e-8, 4e-7])
-def test_a_body_that_lies_on_a_wall_from_inside_shares_space(off: float) -> None:
+def test_a_body_on_a_wall_from_inside_shares_space(off: float, large: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(near_bodies, "LARGE", large)
     for seed in range(6):
         rng = np.random.default_rng(seed)
         inner = box(np.array([1.2, 1.1, off]), np.array([1.9, *rng.uniform([1.5, 0.2], [3.9, 1.9])]), rng)

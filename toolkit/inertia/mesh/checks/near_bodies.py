@@ -18,9 +18,11 @@ from inertia.mesh.surface import Surface
 from inertia.once import once
 from inertia.records import dataclass
 
+LARGE = 1 << 10
+"""Triangles of a body that are looked for by a tree, among those of all bodies."""
+
 _T = TypeVar("_T")
 _AT_ONCE = 1 << 18  # triangles near other bodies that are compared at a time
-_LARGE = 1 << 10  # triangles of a body that are looked for by a tree, among all of them
 _SAMPLES = 32  # triangles of a body, of which one may show that it does not lie in another
 _KEPT = 4  # times that many, of which what was found is kept for another look: tens of megabytes
 
@@ -95,7 +97,7 @@ class _Bodies:
     def in_columns(self, one: int, other: int, axes: Sequence[int]) -> Int:
         """Return the triangles of a body that reach, along all axes but one of these, into the box of another."""
         own, (least, most) = self.groups[one], self.boxes[other]
-        if len(own) > _LARGE:
+        if len(own) > LARGE:
             every = self.boxes[one]
             along = [np.arange(3) == axis for axis in axes]
             low, high = (np.where(along, all_of_it, box) for all_of_it, box in zip(every, (least, most), strict=True))
