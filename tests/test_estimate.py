@@ -18,6 +18,7 @@ from inertia.errors import UsageError
         (" 7.85e3 +/- 5e1 ", 7850, 50),
         ("7850 ± 1%", 7850, 78.5),
         ("-2±1 %", -2, 0.02),
+        ("7850\udcc2\udcb150", 7850, 50),  # as Python takes an argument in the locale C
     ],
 )
 def test_a_number_is_read_with_its_uncertainty(text: str, value: float, uncertainty: float) -> None:

@@ -78,6 +78,13 @@ def test_a_document_has_the_fields_of_its_schema(command: str) -> None:
         )
 
 
+@pytest.mark.parametrize("option", ["--samples 3", "--explain"])
+def test_the_mass_of_a_body_may_be_null(option: str, tmp_path: Path) -> None:
+    file = tmp_path / "scene.toml"
+    file.write_text("body.principal_moments = [1, 2, 3]\nstart.angular_velocity = [1, 2, 3]\nrun.duration = 1\n")
+    test_a_document_has_the_fields_of_its_schema(f"simulate {file} {option}")
+
+
 def test_a_document_that_lacks_a_field_is_no_such_document() -> None:
     ((_, document),) = LIST.documents("check cube.stl")
     validator = Draft202012Validator(SCHEMAS["check-1.schema.json"])

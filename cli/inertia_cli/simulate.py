@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from inertia.errors import UsageError, visible
+from inertia.estimate import UNDECODED
 from inertia_cli.options import count, record, tell_of_viewer
 from inertia_cli.printing import show, write_and_show
 from inertia_cli.progress import Progress
@@ -197,7 +198,7 @@ def _laws(words: list[str]) -> dict[str, str]:
             raise UsageError(f"--vary {word} says no law: write it as body.mass=1±0.01")
         if field.strip() in laws:
             raise UsageError(f"--vary is given twice for {field.strip()}: give it once")
-        laws[field.strip()] = law
+        laws[field.strip()] = law.replace(UNDECODED, "±")
     return laws
 
 

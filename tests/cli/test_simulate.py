@@ -1,5 +1,6 @@
 """``inertia simulate`` and ``inertia tumble`` as a user meets them."""
 
+import hashlib
 import json
 import math
 import re
@@ -264,9 +265,23 @@ def test_a_mesh_is_no_scene_whatever_its_format(
     assert "there is no such file" in err
 
 
-def test_numbers_of_a_scene_are_drawn(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_an_assembly_as_the_body_is_named(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    block = tmp_path / "block.toml"
+    block.write_text('part = [{ name = "a", shape = "box", size = [10, 20, 30], density = 7850 }]\n')
+    file = scene(tmp_path, PLAIN.replace("principal_moments = [1.0, 2.0, 3.0]", 'part = "block.toml"'))
+    code, out, _ = run(capsys, "simulate", file, "-o", str(tmp_path / "run.csv"))
+    assert code == 0
+    assert re.search(rf"^Part +{re.escape(str(block))}$", out, re.MULTILINE)
+    assert "from the bounds" not in out  # 1e-40 rad, which no float64 holds
+    about = json.loads((tmp_path / "run.csv").read_text().splitlines()[0][2:])
+    assert about["parts"] == {str(block): hashlib.sha256(block.read_bytes()).hexdigest()}
+    assert json.loads(run(capsys, "simulate", file, "--json")[1])["body"]["part"] == str(block)
+
+
+@pytest.mark.parametrize("law", ["0.1±0.01", "±0.01", "\udcc2\udcb10.01"])  # the last: ± in the locale C
+def test_numbers_of_a_scene_are_drawn(law: str, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     file = scene(tmp_path)
-    arguments = ("simulate", file, "--vary", "start.angular_velocity[0]=0.1±0.01", "--draws", "40", "--samples", "5")
+    arguments = ("simulate", file, "--vary", f"start.angular_velocity[0]={law}", "--draws", "40", "--samples", "5")
     code, out, err = run(capsys, *arguments, "--json")
     assert (code, err) == (0, "")
     result = json.loads(out)

@@ -39,7 +39,7 @@ def read_csv(file: Path) -> tuple[dict[str, Any], list[str], np.ndarray]:
 def read_parquet(file: Path) -> tuple[dict[str, Any], list[str], np.ndarray]:
     table = pyarrow.parquet.read_table(file)
     about = json.loads(table.schema.metadata[b"inertia"])
-    about["units"] = {field.name: field.metadata[b"unit"].decode() for field in table.schema}
+    assert about["units"] == {field.name: field.metadata[b"unit"].decode() for field in table.schema}
     return about, table.schema.names, np.column_stack([column.to_numpy() for column in table.columns])
 
 

@@ -158,6 +158,13 @@ def test_several_bodies_stand_in_one_file(body: inertia.MassProperties, target: 
 
 
 @pytest.mark.parametrize("target", [target for target in WRITERS if target != "csv"])
+def test_letters_beyond_ascii_stand_in_comments_as_escapes(body: inertia.MassProperties, target: str) -> None:
+    text = inertia.export(body, target, name="größe 腕", comments=["größer"])
+    assert r"Bounds of gr\xf6\xdfe \u8155: mass" in text
+    assert r"gr\xf6\xdfer" in text
+
+
+@pytest.mark.parametrize("target", [target for target in WRITERS if target != "csv"])
 def test_convention_and_bounds_stand_beside_the_numbers(body: inertia.MassProperties, target: str) -> None:
     text = inertia.export(body, target, name="arm", comments=["Density 2700 kg/m³"])
     assert "Density 2700 kg/m^3" in text

@@ -8,7 +8,10 @@ from typing import Self
 
 from inertia.errors import UsageError
 
-_SIGN = re.compile(r"\s*(?:±|\+/-|\+-)\s*")
+UNDECODED = "±".encode().decode("ascii", "surrogateescape")
+"""± as arguments of the command line hold it where the locale is C."""
+
+_SIGN = re.compile(rf"\s*(?:±|{UNDECODED}|\+/-|\+-)\s*")
 
 
 class Estimate(float):

@@ -6,6 +6,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
+import pytest
 from tests.mass.parts import cells, cube, exact, surface
 from tests.mass.spectra import angle, eigenvalues, eigenvectors
 
@@ -53,6 +54,13 @@ def test_the_long_axis_of_a_square_post_is_certain_to_what_the_text_says() -> No
     long_axis = np.array(analysis_document(post)["principal_axes"])[:, 0]
     assert math.degrees(angle(long_axis, [Fraction(k) for k in (0, 0, 1)])) <= float(axes[0].removesuffix("°")) < 1e-10
     assert axes[1:] == ["any", "any"]
+
+
+@pytest.mark.parametrize("mass", [1e160, 1e-170])
+def test_a_tensor_of_any_size_is_printed(mass: float) -> None:
+    """A cube of 1 m: m a²/6 about each axis."""
+    text = analysis_text(inertia.analyse(unsaved(surface(cube())), mass=mass))
+    assert f"{mass / 6.0:.9e}                 0                 0\n" in text
 
 
 def test_a_moment_of_nothing_has_no_relative_bound() -> None:

@@ -116,12 +116,15 @@ class Table:
                 columns[_slug(name) + label] = flat[:, k], unit
         return columns
 
+    def _of(self, columns: Mapping[str, tuple[Float, str]]) -> dict[str, Any]:
+        """Return what the table is of, with the unit of each column."""
+        return {**self.about, "units": {name: unit for name, (_, unit) in columns.items()}}
+
     def to_csv(self, path: str | os.PathLike[str], *, force: bool) -> None:
         """Write a line of metadata, one of names, and a row for each sample."""
         file, columns = require_writable(path, ".csv", force=force), self.columns
         with whole(file) as beside, beside.open("w", encoding="utf-8", newline="") as text:
-            about = {**self.about, "units": {name: unit for name, (_, unit) in columns.items()}}
-            text.write(f"# {_json(about)}\n")
+            text.write(f"# {_json(self._of(columns))}\n")
             writer = csv.writer(text, lineterminator="\n")
             writer.writerow(columns)
             for some in _blocks(columns):
@@ -144,7 +147,7 @@ class Table:
         fields = [
             pa.field(name, pa.float64(), nullable=False, metadata={"unit": unit}) for name, (_, unit) in columns.items()
         ]
-        schema = pa.schema(fields, metadata={"inertia": _json(self.about)})
+        schema = pa.schema(fields, metadata={"inertia": _json(self._of(columns))})
         with whole(file) as beside, pa.parquet.ParquetWriter(beside, schema, use_dictionary=False) as writer:
             for some in _blocks(columns):
                 writer.write_table(pa.table([pa.array(np.ascontiguousarray(each)) for each in some], schema=schema))

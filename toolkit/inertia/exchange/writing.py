@@ -149,10 +149,10 @@ def heading(bodies: Sequence[Body], convention: Convention, comments: Sequence[s
 
 
 def printable(line: str) -> str:
-    """Return a line in printable ASCII, whatever the names and paths in it hold.
+    """Return a line in printable ASCII, whatever the names and paths in it hold: letters beyond it are escaped.
 
-    >>> printable("kg m²\\n*END")
-    'kg m^2 *END'
+    >>> print(printable("kg m²\\n*END größe"))
+    kg m^2 *END gr\\xf6\\xdfe
     """
     for character, plain in {
         "²": "^2",
@@ -164,7 +164,8 @@ def printable(line: str) -> str:
         "µ": "u",
     }.items():
         line = line.replace(character, plain)
-    return re.sub(r"[^\x20-\x7e]+", " ", line.replace("`", "")).rstrip()
+    line = line.replace("`", "").encode("ascii", "backslashreplace").decode()
+    return re.sub(r"[^\x20-\x7e]+", " ", line).rstrip()
 
 
 def xml_comment(lines: Iterable[str], indent: str = "") -> str:

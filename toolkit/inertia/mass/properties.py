@@ -300,7 +300,7 @@ class MassProperties:
         """How far mass (kg), centre of mass (m) and the tensor about it (kg m², Frobenius norm) may be off, rounded."""
         here = self.moments_about()
         known = float(here.zeroth_bound), float(here.centroid_bound), float(here.error_norms[1])
-        sizes = self.mass, float(np.linalg.norm(self.center_of_mass)), float(np.linalg.norm(self.inertia))
+        sizes = self.mass, float(_norm(self.center_of_mass)), float(_norm(self.inertia))
         mass, center, inertia = (bound + float(_ROUNDOFF) * size for bound, size in zip(known, sizes, strict=True))
         return mass, center, inertia
 

@@ -6,15 +6,17 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.dynamics import oracle
-from tests.dynamics.integrators.loaded import ATTITUDE, LOADS, MOMENTS, SPIN, TIMES, case
+from tests.dynamics.integrators.loaded import ATTITUDE, LOADS, MOMENTS, SPIN, TIMES, case, rotations
 
 from inertia.dynamics.integrators.events import find_events
 from inertia.dynamics.integrators.rotation import RotationProblem
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.loads.gravity import Gravity
-from inertia.dynamics.loads.losses import Damping
+from inertia.dynamics.loads.losses import Damping, Dissipation
 from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.models.stepped.solve import solve_stepped, state_between
+from inertia.dynamics.scene.document import Scene
+from inertia.dynamics.simulate import simulate
 from inertia.errors import GeometryError, UsageError
 from inertia.native import Kernel
 
@@ -36,6 +38,36 @@ def test_estimates_are_honest_for_the_methods_of_our_own(monkeypatch: pytest.Mon
         ratios.append(motion.reached / error)
     assert np.mean(np.array(ratios) >= 1.0) >= 0.95
     assert min(ratios) > 0.1
+
+
+@pytest.mark.parametrize(
+    ("moments", "spin", "end", "method", "accuracy"),
+    [
+        ([1.0, 2.0, 3.0], [0.01, 2.0, 0.01], 20.0, "splitting 4", 1e-7),
+        ([1.0, 2.0, 3.0], [0.01, 2.0, 0.01], 20.0, "splitting 6", 1e-9),
+        ([1.1789974066735178, 1.6137939122560816, 1.7921459755036757],
+         [0.007711029803575362, 3.273858059964795, 0.015602446092660711], 60.0, "splitting 6", 1e-6),
+    ],
+)  # fmt: skip
+def test_rounding_that_flips_amplify_is_in_the_estimate(
+    moments: list[float], spin: list[float], end: float, method: str, accuracy: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Kernel, "worthwhile", lambda self, count: True)
+    time = np.linspace(0.0, end, 201)
+    motion = solve_stepped(RotationProblem(moments, spin), time, accuracy, method)
+    error = oracle.rotate(moments, spin, time.tolist()).attitude_error(motion.attitude).max()
+    assert error < motion.reached < 30.0 * error
+
+
+@pytest.mark.parametrize("method", ["Taylor", "splitting 6", "RK4", "DOP853"])
+def test_a_spin_about_the_intermediate_axis_of_a_full_tensor_stays_there(method: str) -> None:
+    """The axes are (2, 3, 6)/7, (3, −6, 2)/7 and (6, 2, −3)/7; a rounding of the spin would have it flip in 15 s."""
+    axes = np.array([[2.0, 3.0, 6.0], [3.0, -6.0, 2.0], [6.0, 2.0, -3.0]])
+    tensor = (np.array([[2.0], [3.0], [4.0]]) * axes).T @ axes
+    table = {"body": {"inertia": tensor.tolist()}, "start": {"angular_velocity": axes[1].tolist(), "frame": "part"}}
+    run = simulate(Scene.from_dict(table | {"run": {"duration": 12.0, "method": method, "accuracy": 1e-6}}))
+    turned = quaternion.from_rotation_vector(run.time[:, None] * axes[1])
+    assert quaternion.angle_between(run.attitude, turned).max() < run.error.reached
 
 
 @pytest.mark.parametrize(("method", "accuracy"), [("DOP853", 1e-9), ("LSODA", 1e-6), ("Radau", 1e-5)])
@@ -258,6 +290,17 @@ def test_crossing_of_a_plane_is_found_between_samples() -> None:
 def test_arguments_that_cannot_be_used(time: list[float], accuracy: float, method: str | None, says: str) -> None:
     with pytest.raises(UsageError, match=says):
         solve_stepped(case("free").problem, time, accuracy, method)
+
+
+@pytest.mark.parametrize(("rate", "says"), [(5.0, True), (0.05, False)])
+def test_a_large_rate_of_dissipation_is_told(rate: float, says: bool) -> None:
+    """How fast the axes turn is seen in two attitudes that are near each other."""
+    problem = RotationProblem([1.0, 1.2, 1.5], [2.0, 0.3, 0.1], loads=(Dissipation(rate),))
+    motion = solve_stepped(problem, [0.0, 1e-6], 1e-12)
+    turned = rotations(motion.attitude[1:])[0] / 1e-6
+    seen = 0.5 * np.array([turned[2, 1] - turned[1, 2], turned[0, 2] - turned[2, 0], turned[1, 0] - turned[0, 1]])
+    share = np.linalg.norm(seen - problem.angular_velocity) / np.linalg.norm(problem.angular_velocity)
+    assert [f"up to {100.0 * share:.2g} % of it away" in remark for remark in motion.remarks] == [True] * says
 
 
 def test_body_at_rest_without_loads_stays() -> None:

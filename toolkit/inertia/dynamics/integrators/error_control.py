@@ -12,13 +12,17 @@ from inertia.dynamics.integrators.loop import EPS, MAX_STEPS, EqualSteps, Integr
 from inertia.dynamics.integrators.rotation import RotationProblem
 from inertia.errors import GeometryError
 
+_MAY_ROUND = 1000.0  # roundings, times the root of the steps, up to which a drift may be rounding alone
+
 
 class FixedStep(Integrator):
     """A method of known order with steps of equal length between samples; the control is the step in s.
 
-    The estimate is Richardson's, on runs with three steps in the place of four: their distance d makes it
-    2 d/((4/3)ᵖ − 1), and never less than 2 d, because rounding does not fall with the order. Where d is small enough to
-    be rounding, a run with five steps in the place of four is made too, and the larger distance taken twice.
+    The estimate is Richardson's, on runs with three steps in the place of four: their distance d₁ makes it
+    2 d₁/((4/3)ᵖ − 1), and never less than 2 d₁, because rounding does not fall with the order. Where what the loads
+    keep drifts so little that rounding may rule, a run with five steps in the place of four is made too, d₂ apart: the
+    larger distance then counts twice as much, what rounding costs is added (`walk`), and where d₂/d₁ is not what the
+    order makes it, rounding is amplified and the distance counts twice as much again.
     Hairer, Nørsett & Wanner, *Solving ODEs I*, § II.4.
     """
 
@@ -55,12 +59,15 @@ class FixedStep(Integrator):
     def solve(self, problem: RotationProblem, time: Float, control: float) -> tuple[States, float]:
         """Return the run at `control` and its estimate."""
         fine, coarse = (self.run(problem, time, control, level) for level in range(2))
-        apart = fine.apart(coarse)
-        least = rounding(fine.angular_velocity, time[-1] - problem.start)
-        if apart < 10.0 * least * np.sqrt(fine.steps):
-            apart = max(apart, fine.apart(self.run(problem, time, control, 2)))
-            least += 2.0 * apart + float(8.0 * EPS * np.sqrt(fine.steps))  # of each step, at random
-        return fine, 2.0 * problem.caution * apart / min((4.0 / 3.0) ** self.order - 1.0, 1.0) + least
+        apart, length = fine.apart(coarse), float(time[-1] - problem.start)
+        least, falls = rounding(fine.angular_velocity, length), (4.0 / 3.0) ** self.order - 1.0
+        if problem.drift(fine.attitude, fine.angular_velocity) <= _MAY_ROUND * EPS * np.sqrt(fine.steps):
+            other, least = fine.apart(self.run(problem, time, control, 2)), walk(problem, fine, length)
+            by_order = apart * (1.0 - 0.8**self.order) / falls
+            amplified = max(apart, other) > 2.0 * least and not 0.5 * by_order < other < 1.5 * by_order
+            apart = max(apart, other) * (2.0 if amplified else 1.0)
+            least += 2.0 * apart
+        return fine, 2.0 * problem.caution * apart / min(falls, 1.0) + least
 
 
 class Adaptive(Integrator):

@@ -20,8 +20,9 @@ from inertia.mass.eigen import Spectrum
 from inertia.mass.principal import CLASS_TOLERANCE, Principal, principal_of, spectrum_of_tensor
 from inertia.mass.properties import MassProperties
 from inertia.mass.tensor import array_of, faults, steiner
-from inertia.mesh.part import Cells, Part
+from inertia.mesh.part import Cells, Part, Source
 from inertia.mesh.read import read
+from inertia.mesh.version import Version
 from inertia.records import dataclass
 
 if TYPE_CHECKING:
@@ -190,7 +191,10 @@ def of_tree(path: Path) -> SceneBody:
     from inertia.assembly.document import Assembly
 
     assembly = Assembly.load(path)
-    body = SceneBody.of(assembly.mass_properties(), assembly.mesh(), assembly.notes)
+    mesh = assembly.mesh()
+    if mesh is not None:
+        mesh = replace(mesh, source=Source(str(path), path.suffix[1:].lower(), Version(path)))
+    body = SceneBody.of(assembly.mass_properties(), mesh, assembly.notes)
     if not _uncertain(assembly.root):
         return body
     sigma = assembly.budget().total.sigma

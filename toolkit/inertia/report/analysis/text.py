@@ -187,7 +187,7 @@ def _tensor(analysis: Analysis) -> list[str]:
 
 
 def _matrix(rows: list[list[float]], relative: float) -> list[str]:
-    bound = relative * sum(value * value for line in rows for value in line) ** 0.5
+    bound = relative * math.hypot(*(value for line in rows for value in line))
     return [columns(cleared(value, bound) for value in line) for line in rows]
 
 

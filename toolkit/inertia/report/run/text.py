@@ -17,7 +17,7 @@ from inertia.dynamics.sensitivity import attitude_uncertainty
 from inertia.report.numerals import LABEL, cleared, number, row, wrapped
 
 _LISTED = 6  # events in the text
-_ROUNDING = 1e-15  # of the largest component of a vector: below it, a component is printed as 0
+_ROUNDING = 1e-15  # of the largest component of a vector, or rad: below it, a component is printed as 0
 _NEGLIGIBLE = 1e-13  # of the largest entry of a series: likewise
 _STARTS_IN = {"principal": "along the principal axes", "part": "along the part axes", "space": "along the space axes"}
 
@@ -99,7 +99,7 @@ def _accuracy_lines(run: Run) -> Iterator[str]:
     yield from wrapped("Method", f"{error.method}{steps}")
     until = "" if error.until >= run.scene.run.duration else f" up to {error.until:.3g} s"
     yield row("Accuracy", f"attitude to {error.reached:.2g} rad{until}, {error.requested:g} rad asked for")
-    if error.inputs:
+    if error.inputs > _ROUNDING:
         most = "a whole turn" if error.inputs >= np.pi else f"{error.inputs:.2g} rad"
         yield row("", f"by the end up to {most} more from the bounds of the mass properties")
     if (moved := attitude_uncertainty(run)) is not None:

@@ -90,6 +90,10 @@ class SlidingBall(RotationProblem):
         """Return None: friction is no polynomial."""
         return None
 
+    def invariants(self, attitude: Float, angular_velocity: Float) -> dict[str, Float]:
+        """Return nothing: friction and the plane keep neither energy nor L."""
+        return {}
+
     def rhs(self, time: float, state: Float) -> Float:
         """Return the rate (12,) of the state."""
         x, y, z, w, p, q, r, v, o, _, _, _ = state.tolist()

@@ -98,7 +98,7 @@ class EulerEquations(Model):
         problem, body = candidate.problem, candidate.problem.scene.body
         return RotationProblem(
             candidate.moments,
-            candidate.angular_velocity,
+            problem.angular_velocity,
             candidate.attitude,
             tuple(_named(load, problem).along(candidate.axes, body.axes) for load in problem.acting),
             mass=body.mass or 0.0,

@@ -39,6 +39,8 @@ _NUDGE = 1e-6 * np.array([1.0, -1.0, 0.5])  # rad, and of ω in units of its rat
 _MARGIN = 3.0  # of what a nudge grows by
 _FASTER = 100.0  # times the error of the attitude in a unit of time, that ω at the next sample may be off by
 
+_LITTLE = 0.05  # of |ω|, that axes may turn at beside it without a remark
+
 STIFF = 1e4
 """Decay times of the damping in a run above which an implicit method is taken, if nothing else is as fast."""
 
@@ -101,7 +103,7 @@ def motion_of(problem: RotationProblem, instants: Float, method: str, states: St
         invariants=invariants,
         scales=scales,
         warnings=_warnings(problem),
-        remarks=_remarks(problem, float(instants[-1])),
+        remarks=_remarks(problem, float(instants[-1]), states.angular_velocity),
         steps=states.steps,
     )
 
@@ -274,15 +276,30 @@ def _unreachable(
     return GeometryError(f"{wish}: ask for {rounded_up(within)} rad, a shorter run or another method")
 
 
-def _remarks(problem: RotationProblem, end: float) -> tuple[str, ...]:
-    """Say what a torque that is a function may still hide."""
-    if not problem.probed:
-        return ()
-    span = (end - problem.start) / PROBES
-    return (
-        f"Every step was probed for pulses of the torque that it missed, each {span:.2g} s at least: what is shorter "
-        "needs its breaks, or a longest_step.",
-    )
+def _remarks(problem: RotationProblem, end: float, spin: Float) -> tuple[str, ...]:
+    """Say what a torque that is a function may still hide, and where dissipation turns the axes at another rate."""
+    remarks = []
+    if problem.probed:
+        span = (end - problem.start) / PROBES
+        remarks.append(
+            f"Every step was probed for pulses of the torque that it missed, each {span:.2g} s at least: what is "
+            "shorter needs its breaks, or a longest_step."
+        )
+    if (share := _beside(problem, spin)) > _LITTLE:
+        remarks.append(
+            "The rate of dissipation is large for this body: the angular velocity stated is I⁻¹ L, and the axes turn "
+            f"at one that is up to {100.0 * share:.2g} % of it away."
+        )
+    return tuple(remarks)
+
+
+def _beside(problem: RotationProblem, spin: Float) -> float:
+    """Return the largest |Ω − ω|/|ω| over ω (n, 3), Ω being what the axes turn at (`loads.losses.Dissipation`)."""
+    kappa = sum(load.dissipation for load in problem.loads)
+    turning = spin[spin.any(axis=1)] if kappa else spin[:0]
+    beside = kappa * np.cross(problem.moments * turning, turning) / problem.moments / problem.moments
+    share = np.linalg.norm(beside, axis=1) / np.linalg.norm(turning, axis=1)
+    return float(share.max(initial=0.0))
 
 
 def _warnings(problem: RotationProblem) -> tuple[str, ...]:
