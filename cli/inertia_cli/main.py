@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
 import inertia
-from inertia.errors import CacheWarning, GeometryError, InertiaError, UsageError, WriteError, visible
+from inertia.errors import CacheWarning, GeometryError, InertiaError, UsageError, WaitingWarning, WriteError, visible
 from inertia.output import sparing_inputs
 from inertia.standard_input import DESCRIPTOR
 from inertia.standard_input import NAME as STANDARD_INPUT
@@ -135,8 +135,9 @@ def _note(
     """Print a warning as a sentence, one a run for the cache; there are no others but for faults of this program."""
     if sys.stderr is None:
         return
-    if issubclass(category, CacheWarning):
-        warnings.simplefilter("ignore", CacheWarning)
+    if issubclass(category, CacheWarning | WaitingWarning):
+        if issubclass(category, CacheWarning):
+            warnings.simplefilter("ignore", CacheWarning)
         print(f"inertia: {visible(str(message))}", file=sys.stderr)
     else:
         print(warnings.formatwarning(message, category, filename, lineno, line), file=sys.stderr, end="")
@@ -165,6 +166,7 @@ def main(arguments: Sequence[str]) -> int:
         with warnings.catch_warnings():
             # What numpy would warn of and go on with, an overflow most of all, is no ground for an answer.
             warnings.simplefilter("error", RuntimeWarning)
+            warnings.simplefilter("always", WaitingWarning)
             with sparing_inputs(_inputs(options)):
                 code: int = options.run(options)
         sys.stdout.flush()

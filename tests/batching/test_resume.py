@@ -1,8 +1,10 @@
 """What an earlier run has answered counts only where nothing that it rests on has changed."""
 
+import hashlib
 import json
 import os
 import shutil
+import zipfile
 from contextlib import closing
 from pathlib import Path
 
@@ -11,6 +13,7 @@ import pytest
 from inertia.batching.answer import Answer, Setup, answer
 from inertia.batching.sources import Task
 from inertia.batching.table import Parts
+from inertia.mesh import version
 from inertia_meshes import path
 
 CUBE, BOX, CUT = path("cube.stl"), path("box.stl"), path("broken/truncated.stl")
@@ -84,6 +87,68 @@ def test_a_file_that_changes_while_it_is_answered_for_is_asked_for_again(
     monkeypatch.setitem(verbs, "analyse", changed)
     assert kept(Task(str(file)), setup, folder).row["state"] == "answered"
     assert Parts(folder, setup).answer(Task(str(file))) is None
+
+
+def zipped(file: Path, part: Path) -> None:
+    with zipfile.ZipFile(file, "w") as archive:
+        for name in ("a.stl", "b.stl"):
+            archive.write(part, name)
+
+
+@pytest.mark.parametrize("verb", ["analyse", "audit", "balance"])
+def test_what_changes_beside_while_it_is_answered_for_is_asked_for_again(
+    verb: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An archive, a mesh that was not there, and the file of a verb that is hashed when all is done."""
+    disc = tmp_path / "rotor/disc.toml"
+    task, change = {
+        "analyse": (
+            Task(f"{tmp_path}/x.zip/a.stl", {}, f"{tmp_path}/x.zip", "a.stl"),
+            lambda: zipped(tmp_path / "x.zip", BOX),
+        ),
+        "audit": (Task(f"{tmp_path}/robot/arm.urdf"), lambda: shutil.copy(path("t_handle.stl"), tmp_path)),
+        "balance": (Task(str(disc)), lambda: disc.write_text(disc.read_text().swapcase())),
+    }[verb]
+    zipped(tmp_path / "x.zip", CUBE)
+    for name, place in (("robots/arm.urdf", "robot"), ("rotors/disc.toml", "rotor"), ("disc.stl", ".")):
+        (tmp_path / place).mkdir(exist_ok=True)
+        shutil.copy(path(name), tmp_path / place)
+    verbs = vars(__import__("inertia.batching.answer", fromlist=["_VERBS"]))["_VERBS"]
+    plain, setup = verbs[verb], Setup(verb)
+    assert kept(task, setup, tmp_path / "before").row["state"] == "answered"
+    assert Parts(tmp_path / "before", setup).answer(task) is not None
+
+    def changed(*given: object) -> None:
+        plain(*given)
+        change()
+
+    monkeypatch.setitem(verbs, verb, changed)
+    assert kept(task, setup, tmp_path / "meanwhile").row["state"] == "answered"
+    assert Parts(tmp_path / "meanwhile", setup).answer(task) is None
+
+
+def test_a_file_that_changes_while_it_takes_too_long_is_asked_for_again(tmp_path: Path) -> None:
+    file, setup, folder = tmp_path / "x.stl", Setup("analyse", timeout=9.0), tmp_path / "a.csv.parts"
+    shutil.copy(CUBE, file)
+    task, before = Task(str(file)), file.stat()
+    with closing(Parts(folder, setup)) as parts:
+        parts.add(task, setup.failed(task, "timed_out", "it took longer", 9.0, before))
+    assert Parts(folder, setup).answer(task) is not None
+    shutil.copy(BOX, file)
+    assert Parts(folder, setup).answer(task) is None
+
+
+def test_an_archive_is_hashed_once_for_all_of_its_members(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    hashed, sha256_of = [], version.sha256_of
+    monkeypatch.setattr("inertia.batching.answer.sha256_of", lambda *of: hashed.append(of[0]) or sha256_of(*of))
+    archive = tmp_path / "x.zip"
+    zipped(archive, CUBE)
+    first, second = (
+        answer(Task(f"{archive}/{name}", {}, str(archive), name), Setup("analyse")) for name in ("a.stl", "b.stl")
+    )
+    assert first.files == second.files
+    assert first.files[0].sha256 == hashlib.sha256(archive.read_bytes()).hexdigest()
+    assert hashed == [archive]
 
 
 @pytest.mark.skipif(not os.access("/dev/shm", os.W_OK), reason="there is no /dev/shm")

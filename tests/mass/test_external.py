@@ -130,6 +130,7 @@ def test_a_remedy_that_takes_the_whole_part_is_said_to(fault: str, remedies: str
     assert re.fullmatch(
         rf"{re.escape(remedies)} the whole part in memory: allow [\d.e+]+ [MG]B by memory=BYTES", behind
     )
+    assert len(external.value.remedies) == len(set(external.value.remedies))
 
 
 def test_memory_that_is_enough_for_a_repair_is_enough_for_what_follows(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -190,14 +191,21 @@ def test_an_open_shell_needs_none_of_its_edges_looked_at() -> None:
     assert inertia.analyse(part, shell=0.1, memory=_in_little(part)).bodies == 23_000
 
 
-@pytest.mark.usefixtures("nothing_fits")
-def test_edges_of_four_triangles_that_are_too_many_are_refused_with_the_memory_that_is_enough() -> None:
+@pytest.mark.parametrize("at_once", [False, True])
+def test_edges_of_four_triangles_that_are_too_many_are_refused_with_the_memory_that_is_enough(
+    at_once: bool, request: pytest.FixtureRequest
+) -> None:
+    if not at_once:
+        request.getfixturevalue("nothing_fits")
     cubes = [cube(at) for at in np.ndindex(20, 20, 20) if sum(at) % 2 == 0]
     part = stored(joined(*cubes))
+    little = _in_little(part)
     with pytest.raises(UsageError, match=r"edges of more than two triangles which .*: allow [\d.]+ [MG]B by") as fault:
-        inertia.analyse(part, memory=_in_little(part))
+        inertia.analyse(part, memory=little)
     size, unit = str(fault.value).partition("allow ")[2].split()[:2]
-    analysis = inertia.analyse(part, memory=float(size) * {"MB": 1e6, "GB": 1e9}[unit])
+    enough = float(size) * {"MB": 1e6, "GB": 1e9}[unit]
+    assert (enough < little + WHOLE * part.triangles.count) == at_once  # less than piece by piece
+    analysis = inertia.analyse(part, memory=enough)
     assert (analysis.bodies, analysis.properties.volume) == (len(cubes), pytest.approx(1e-9 * len(cubes)))
 
 

@@ -115,8 +115,8 @@ class Sentence(str):
 
     @property
     def remedies(self) -> tuple[Remedy, ...]:
-        """The remedies in it, in their order."""
-        return tuple(word for word in self.words if isinstance(word, Remedy))
+        """The remedies in it, each once, in their order."""
+        return tuple(dict.fromkeys(word for word in self.words if isinstance(word, Remedy)))
 
     def worded(self, wording: Wording) -> str:
         """Return the text with every remedy and field worded by `wording`."""
@@ -194,6 +194,10 @@ class GeometryError(InertiaError, ValueError):
 
 class CacheWarning(UserWarning):
     """Compiled kernels are not kept, not intact, or not made: it costs time, not the answer."""
+
+
+class WaitingWarning(UserWarning):
+    """Nobody works at present: workers are waited for."""
 
 
 def placed(error: InertiaError, *places: Place) -> InertiaError:

@@ -78,7 +78,10 @@ def _open(files: list[Path]) -> Iterator[None]:
 
 
 _pending: ContextVar[_Renames | None] = ContextVar("pending", default=None)
-_inputs: ContextVar[dict[Path | int, None] | None] = ContextVar("inputs", default=None)
+Inputs = dict[Path | int, os.stat_result | None]
+"""Files that are read, by path or descriptor, each as it was when it was first noted; None where it is not there."""
+
+_inputs: ContextVar[Inputs | None] = ContextVar("inputs", default=None)
 
 
 @contextmanager
@@ -89,10 +92,17 @@ def sparing_inputs(inputs: Iterable[Path | int]) -> Iterator[None]:
         yield
 
 
+def status_of(file: Path | str | int) -> os.stat_result | None:
+    """Return what the system says of a file; None where there is none."""
+    with suppress(OSError, ValueError):  # the name may be one that no file can have
+        return os.stat(file)  # noqa: PTH116  # it may be a descriptor
+    return None
+
+
 @contextmanager
-def inputs_noted() -> Iterator[dict[Path | int, None]]:
+def inputs_noted() -> Iterator[Inputs]:
     """Yield the files that are noted in the context, by `note_input`."""
-    noted: dict[Path | int, None] = {}
+    noted: Inputs = {}
     before = _inputs.set(noted)
     try:
         yield noted
@@ -106,8 +116,8 @@ def note_input(file: Path | int) -> None:
     One that is looked for and is not there is noted too: what is answered without it may not stand once it is there.
     """
     inputs = _inputs.get()
-    if inputs is not None:
-        inputs[file] = None
+    if inputs is not None and file not in inputs:
+        inputs[file] = status_of(file)
 
 
 def _require_other(path: Path) -> None:
@@ -115,11 +125,8 @@ def _require_other(path: Path) -> None:
     if not path.exists():
         return
     for file in _inputs.get() or ():
-        same = False
-        with suppress(OSError, ValueError):  # it may be gone, or have a name that no file can have
-            status = os.fstat(file) if isinstance(file, int) else file.stat()
-            same = os.path.samestat(status, path.stat())
-        if same:
+        status = status_of(file)  # of one that may be gone meanwhile
+        if status is not None and os.path.samestat(status, path.stat()):
             what = "what standard input is read from" if isinstance(file, int) else f"an input, {file}"
             raise UsageError(f"cannot write {path}: it is {what}: give the output another name", code="is_input")
 

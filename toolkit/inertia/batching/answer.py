@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import stat
 import sys
 import sysconfig
@@ -13,6 +14,7 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -20,8 +22,8 @@ from inertia.batching.columns import COLUMNS, State
 from inertia.batching.sources import Task, local_copy
 from inertia.errors import GeometryError, InertiaError, ReadError, Remedy, Sentence, Wording, visible
 from inertia.mesh.external.memory import in_bytes
-from inertia.mesh.version import sha256_of
-from inertia.output import inputs_noted
+from inertia.mesh.version import CHANGED, sha256_of, state_of
+from inertia.output import inputs_noted, status_of
 from inertia.records import dataclass
 
 Row = dict[str, Any]
@@ -59,8 +61,13 @@ class Setup:
         common = {name: value for name, value in self.options.items() if not (weighed and name in WEIGHED)}
         return {**common, **task.options}
 
-    def failed(self, task: Task, state: State, why: str, seconds: float | None = None) -> Answer:
-        """Return the row of a file that the process which answered for it did not survive, or not in time."""
+    def failed(
+        self, task: Task, state: State, why: str, seconds: float | None = None, before: os.stat_result | None = None
+    ) -> Answer:
+        """Return the row of a file that the process which answered for it did not survive, or not in time.
+
+        It is not hashed: how far that comes depends on the load. `before` is what the file was when it was its turn.
+        """
         words: tuple[str | Remedy, ...] = (visible(task.path), ": ", why)
         if state == "timed_out":
             words = (*words, ": look at the file, or allow it more by ", _TIMEOUT)
@@ -71,12 +78,8 @@ class Setup:
             "message": Sentence(*words).worded(self.wording),
             "seconds": seconds,
         }
-        name = task.archive or task.path
-        unknown: tuple[Used, ...] = (Used(name, None, None, None),)
-        files = within(self.timeout, lambda: _used([name], None), unknown)
-        if files and not task.member:  # of a member, the archive is another file
-            row["sha256"] = files[0].sha256
-        return Answer(row, files)
+        size, time_ns = (None, None) if before is None else (before.st_size, before.st_mtime_ns)
+        return Answer(row, (Used(task.file, size, time_ns, None),))
 
     def empty(self, task: Task) -> Row:
         """Return a row of nothing but the path."""
@@ -86,7 +89,8 @@ class Setup:
 class Used(NamedTuple):
     """A file that an answer rests on, as it was: its size and time are None where it is not there.
 
-    Of what is not on this machine, as a URL, it is not known whether it has changed.
+    Of what is not on this machine, as a URL, it is not known whether it has changed; what changed while it was being
+    answered for counts as such.
     """
 
     path: str
@@ -134,7 +138,7 @@ def answer(task: Task, setup: Setup) -> Answer:
         row.update(state=state, exit_code=code, message=worded(Sentence(*words)))
 
     options = setup.options_of(task)
-    before = _status(file)
+    before = {task.file: status_of(task.file)}
     with ExitStack() as stack:
         opened, noted = stack.enter_context(_opened()), stack.enter_context(inputs_noted())
         stack.enter_context(warnings.catch_warnings())
@@ -158,14 +162,15 @@ def answer(task: Task, setup: Setup) -> Answer:
             failed("refused", GeometryError.exit_code, *_beyond(file, setup.memory))
         except Exception as fault:
             failed("crashed", _FAULT, file, f": a fault of this program, {type(fault).__name__}: {fault}")
-        if row["sha256"] is None:
+        if row["sha256"] is None and file != task.path:
             with suppress(OSError, ValueError):
                 row["sha256"] = _digest(Path(file))
     if file == task.path:
-        others = (os.fspath(name) for name in noted if isinstance(name, Path))
-        files = _used([file, *opened, *others], row["sha256"], before)
+        others = {os.fspath(name): status for name, status in noted.items() if isinstance(name, Path)}
+        files = _used(before | others | opened | before, task.file, row["sha256"])
+        row["sha256"] = row["sha256"] or next((used.sha256 for used in files if used.path == task.file), None)
     elif task.member:
-        files = _used([task.archive], None)
+        files = _used(before)
     else:
         files = (Used(task.path, None, None, None, False),)
     row["seconds"] = time.perf_counter() - started
@@ -202,23 +207,25 @@ def _digest(path: Path) -> str:
     return sha256_of(path, status.st_size)
 
 
-_open_files: list[str] | None = None
+_Statuses = dict[str, os.stat_result | None]
+"""What files were before they were read, by name."""
+
+_open_files: _Statuses | None = None
 """Those that the verb has opened; None where nobody asks."""
 
 
 @contextmanager
-def _opened() -> Iterator[dict[str, None]]:
-    """Yield the files that are opened in the context, by name."""
+def _opened() -> Iterator[_Statuses]:
+    """Yield the files that are opened in the context."""
     global _open_files
     if not _hooked:
         sys.addaudithook(_audit)
         _hooked.append(True)
-    names: dict[str, None] = {}
-    _open_files = []
+    files: _Statuses = {}
+    _open_files = files
     try:
-        yield names
+        yield files
     finally:
-        names.update(dict.fromkeys(_open_files))
         _open_files = None
 
 
@@ -235,37 +242,41 @@ _OURS = tuple(
 )
 """Folders with what belongs to the program and to Python, and what is no file."""
 
+_TEMPORARY = re.compile(rf"\.kernel$|\.inertia(?:$|{re.escape(os.sep)})").search
+
 
 def _audit(event: str, arguments: tuple[Any, ...]) -> None:
     if event == "open" and _open_files is not None and isinstance(arguments[0], str | os.PathLike):
         name = os.fspath(arguments[0])
-        if isinstance(name, str) and not name.startswith(_OURS) and not name.endswith((".kernel", ".inertia")):
-            _open_files.append(name)
+        if isinstance(name, str) and name not in _open_files and not name.startswith(_OURS) and not _TEMPORARY(name):
+            _open_files[name] = status_of(name)
 
 
-def _status(name: str) -> tuple[int, int] | None:
-    """Return the size and time of change of a file; None where there is none."""
-    with suppress(OSError, ValueError):
-        status = Path(name).stat()
-        return status.st_size, status.st_mtime_ns
-    return None
-
-
-def _used(names: list[str], digest: str | None, before: tuple[int, int] | None = None) -> tuple[Used, ...]:
-    """Return files as they are; `digest` is that of the first, which had that size and time of change before."""
+def _used(before: _Statuses, read: str = "", digest: str | None = None) -> tuple[Used, ...]:
+    """Return files as they were before and still are; `digest` is that of the one that was `read`, if it is known."""
     files = []
-    for number, name in enumerate(dict.fromkeys(names)):
-        try:
-            path = Path(name)
-            status = path.stat()
-            if not stat.S_ISREG(status.st_mode):
-                continue
-            known = number == 0 and digest is not None and before is not None
-            size, time_ns = before if known else (status.st_size, status.st_mtime_ns)  # type: ignore[misc]
-            files.append(Used(name, size, time_ns, digest if known else _digest(path)))
-        except (OSError, ValueError):
+    for name, status in before.items():
+        after = status_of(name)
+        if after is None:  # of what the verb itself has put there, nothing is left
             files.append(Used(name, None, None, None))
+        elif stat.S_ISREG(after.st_mode):
+            try:
+                known = digest if name == read else None
+                if status is None or state_of(after) != state_of(status):
+                    raise ReadError(CHANGED)
+                files.append(Used(name, after.st_size, after.st_mtime_ns, known or _digest_as(name, state_of(after))))
+            except (OSError, ValueError):
+                files.append(Used(name, None, None, None, False))
     return tuple(files)
+
+
+@lru_cache(maxsize=64)  # an archive has many members
+def _digest_as(name: str, state: tuple[int, ...]) -> str:
+    """Return the SHA-256 of a file that is in a state; raise `ReadError` where it is not."""
+    digest = _digest(Path(name))
+    if state_of(Path(name).stat()) != state:
+        raise ReadError(CHANGED)
+    return digest
 
 
 _Worded = Callable[[Sentence | str], str]

@@ -9,14 +9,15 @@ from __future__ import annotations
 import os
 import pickle
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
+from pathlib import Path
 from typing import Any
 
 from inertia.batching.answer import Answer, Setup
 from inertia.batching.engines import Processes
-from inertia.batching.sources import Task
+from inertia.batching.sources import Task, is_url
 from inertia.errors import InertiaError, visible
-from inertia.scheduler import connected
+from inertia.scheduler import connected, finished, sent, threads
 
 _BUNDLE = 0.5
 """s that a bundle of files is to take: a task of Dask's costs some milliseconds."""
@@ -36,12 +37,15 @@ class Cluster:
 
     def __init__(self, setup: Setup, address: str, jobs: int) -> None:
         self._setup, self._packed, self._run = setup, pickle.dumps(setup), os.urandom(16)
+        self._folder = ""
+        with suppress(OSError):  # it has been removed
+            self._folder = str(Path.cwd())
         self._bundle: list[tuple[int, Task]] = []
         self._size: int | None = None
         self._sent: dict[str, tuple[Any, list[tuple[int, Task]]]] = {}
         with ExitStack() as stack:
             self._client = client = stack.enter_context(connected(address, jobs))
-            self._threads: int = max(1, sum(client.nthreads().values()))
+            self._threads = max(1, threads(client))
             import distributed
 
             self._done = distributed.as_completed(loop=client.loop, with_results=True, raise_errors=False)
@@ -65,7 +69,7 @@ class Cluster:
         self._send()
         answers: list[tuple[int, Answer]] = []
         while not answers:
-            for future, result in self._done.next_batch(block=True):
+            for future, result in finished(self._done, self._client):
                 _, bundle = self._sent.pop(future.key)
                 if future.status == "finished":
                     answers += zip([number for number, _ in bundle], result, strict=True)
@@ -77,30 +81,27 @@ class Cluster:
                     answers += [(number, self._crashed(task, future)) for number, task in bundle]
         seconds = sum(answer.row["seconds"] or 0.0 for _, answer in answers)
         self._size = max(1, min(_MOST, int(_BUNDLE * len(answers) / (seconds + 1e-9))))
-        self._threads = max(1, sum(self._client.nthreads().values()))
+        self._threads = max(1, threads(self._client))
         return answers
 
     def close(self) -> None:
         """Have nothing answered for any more, and end the worker processes, whatever they do."""
-        with self._stack:
+        with self._stack, suppress(Exception):  # where the scheduler has gone, so have its workers
             self._client.cancel([future for future, _ in self._sent.values()])
-            self._client.run(end_run, self._run)
+            self._client.run(sent(end_run, self._run), on_error="ignore")
 
     def _send(self) -> None:
         if self._bundle:
             tasks = [task for _, task in self._bundle]
-            future = self._client.submit(answer_bundle, self._run, self._packed, tasks, pure=False)
+            call = sent(answer_bundle, self._run, self._packed, self._folder, tasks)
+            future = self._client.submit(call, pure=False)
             self._sent[future.key] = future, self._bundle
             self._bundle = []
             self._done.add(future)
 
     def _crashed(self, task: Task, future: Any) -> Answer:
-        error = future.exception()
-        if isinstance(error, InertiaError):
-            raise error
-        return self._setup.failed(
-            task, "crashed", f"the Dask workers that answered for it died ({visible(str(error))})"
-        )
+        why = f"the Dask workers that answered for it died ({visible(str(future.exception()))})"
+        return self._setup.failed(task, "crashed", why)
 
 
 class _Run:
@@ -115,13 +116,19 @@ class _Run:
 _runs: dict[bytes, _Run] = {}
 
 
-def answer_bundle(run: bytes, packed: bytes, tasks: Sequence[Task]) -> list[Answer]:
-    """Return the answers for files, in their order, from a worker process of this one."""
+def answer_bundle(run: bytes, packed: bytes, folder: str, tasks: Sequence[Task]) -> list[Answer]:
+    """Return the answers for files, in their order, from a worker process of this one.
+
+    Paths are relative to the folder that the run was started in.
+    """
+    if not os.access(folder, os.X_OK):
+        _require_absolute(tasks, folder)
+        folder = os.sep  # where what else may be relative leads nowhere
     own = _runs.setdefault(run, _Run())
     try:
         engine = own.idle.pop()
     except IndexError:
-        engine = Processes(pickle.loads(packed), 1)
+        engine = Processes(pickle.loads(packed), 1, folder)
         own.all.append(engine)
     try:
         if own.ended:  # looked at when `end_run` would find the engine
@@ -136,6 +143,19 @@ def answer_bundle(run: bytes, packed: bytes, tasks: Sequence[Task]) -> list[Answ
         raise
     own.idle.append(engine)
     return [answers[number] for number in range(len(tasks))]
+
+
+def _require_absolute(tasks: Sequence[Task], folder: str) -> None:
+    """Raise `InertiaError` where a path is relative to a folder that this machine has not."""
+    import distributed
+
+    for task in tasks:
+        if not (Path(task.file).is_absolute() or is_url(task.file)):
+            raise InertiaError(
+                f"the Dask worker at {distributed.get_worker().address} has no folder {visible(folder)}, which "
+                f"{visible(task.path)} is relative to: give paths that begin with {os.sep} and lead to the files there",
+                code="workers",
+            )
 
 
 def end_run(run: bytes) -> None:

@@ -30,7 +30,7 @@ def _truth(name: str, meaning: str) -> Column:
 
 FILE = (
     _text("path", "the file; of a mesh in an archive, the archive's path and its name there"),
-    _text("sha256", "of its contents; null where it could not be read"),
+    _text("sha256", "of its contents; null where it could not be read, took too long, or ended its process"),
     _text("state", "answered, refused, unreadable, crashed or timed_out"),
     _count("exit_code", "of the command on this file alone"),
     _text("message", "why there is no answer, or what the answer has to say, in one sentence"),

@@ -21,10 +21,11 @@ from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import inertia
-from inertia.batching.answer import Answer, Setup
+from inertia.batching.answer import Answer, Setup, within
 from inertia.batching.process import READY
 from inertia.batching.sources import Task
 from inertia.errors import InertiaError, Remedy
+from inertia.output import remove_left_behind, status_of
 
 _BUNDLE = 0.05
 """s that a bundle of files is to take: less costs more in messages, more leaves workers idle at the end."""
@@ -40,11 +41,12 @@ _ALLOCATION = {"MALLOC_MMAP_THRESHOLD_": str(2**25), "MALLOC_TRIM_THRESHOLD_": s
 
 
 class _Job(NamedTuple):
-    """A file to answer for; `spent` are the seconds after which a process died over it."""
+    """A file to answer for, what it was `before`, and `spent`, the seconds after which a process died over it."""
 
     number: int
     task: Task
     spent: float = 0.0
+    before: os.stat_result | None = None
 
 
 class Engine(Protocol):
@@ -65,12 +67,19 @@ class Engine(Protocol):
 
 
 class Processes:
-    """Workers on this machine, a thread for each that talks to it; no more of them than files have been submitted."""
+    """Workers on this machine, a thread for each that talks to it; no more of them than files have been submitted.
+
+    Parameters
+    ----------
+    setup : what is asked of all files
+    jobs : workers, at most
+    folder : that paths are relative to; "" for the one that this process is in
+    """
 
     window = 4096
 
-    def __init__(self, setup: Setup, jobs: int) -> None:
-        self._setup = setup
+    def __init__(self, setup: Setup, jobs: int, folder: str = "") -> None:
+        self._setup, self._folder = setup, folder
         self._jobs: queue.SimpleQueue[_Job | None] = queue.SimpleQueue()
         self._answers: queue.SimpleQueue[tuple[int, Answer] | BaseException] = queue.SimpleQueue()
         self._most = jobs
@@ -82,7 +91,7 @@ class Processes:
         """Have a file answered for."""
         self._jobs.put(_Job(number, task))
         if len(self._workers) < self._most:
-            worker = _Worker(self._setup)
+            worker = _Worker(self._setup, self._folder)
             thread = threading.Thread(target=self._serve, args=(worker,), daemon=True)
             self._workers.append(worker)
             try:
@@ -111,13 +120,15 @@ class Processes:
         return answers
 
     def close(self) -> None:
-        """End the workers, whatever they do, and whoever waits for answers."""
+        """End the workers, whatever they do, and whoever waits for answers; nothing of theirs is left behind."""
         self._answers.put(RuntimeError("the workers are ended"))
         for worker in self._workers:
             self._jobs.put(None)
             worker.end()
         for thread in self._threads:
             thread.join()
+        if self._threads:
+            remove_left_behind()
 
     def _serve(self, worker: _Worker) -> None:
         try:
@@ -147,9 +158,9 @@ class Processes:
 class _Worker:
     """A process that answers, and its successors."""
 
-    def __init__(self, setup: Setup) -> None:
+    def __init__(self, setup: Setup, folder: str) -> None:
         self.bundle = 1
-        self._setup = setup
+        self._setup, self._folder = setup, folder
         self._limit = math.inf if setup.timeout is None else setup.timeout
         self._process: subprocess.Popen[bytes] | None = None
         self._since: float | None = None
@@ -157,7 +168,7 @@ class _Worker:
 
     def answers(self, bundle: Sequence[_Job]) -> Iterator[tuple[int, Answer]]:
         """Yield the answers for files in their order."""
-        jobs = list(bundle)
+        jobs = self._as_they_are(bundle)
         while jobs and not self._ended:
             process = self._process or self._start()
             assert process.stdin is not None
@@ -170,9 +181,9 @@ class _Worker:
                 while jobs:
                     answer: Answer = pickle.load(process.stdout)
                     since = self._since = time.monotonic()
-                    number, task, _ = jobs.pop(0)
+                    job = jobs.pop(0)
                     took = answer.row["seconds"]
-                    yield number, self._timed_out(task, took) if took > self._limit else answer
+                    yield job.number, self._timed_out(job, took) if took > self._limit else answer
             except (OSError, EOFError, pickle.UnpicklingError):
                 self._since = None
                 yield from self._failed(jobs, time.monotonic() - since)
@@ -185,19 +196,26 @@ class _Worker:
         if self._ended:
             return
         code = self.dispose()
-        number, task, spent = jobs.pop(0)
+        job = jobs.pop(0)
         if took > self._limit:
-            yield number, self._timed_out(task, took)
-        elif spent:
+            yield job.number, self._timed_out(job, took)
+        elif job.spent:
             how = f"signal {-code}" if code < 0 else f"exit code {code}"
             why = f"the process that answered for it died ({how}), and so did the second one: report the file"
-            yield number, self._setup.failed(task, "crashed", why, spent + took)
+            yield job.number, self._setup.failed(job.task, "crashed", why, job.spent + took, job.before)
         else:
-            jobs.insert(0, _Job(number, task, took))
+            jobs.insert(0, job._replace(spent=took))
 
-    def _timed_out(self, task: Task, took: float) -> Answer:
+    def _timed_out(self, job: _Job, took: float) -> Answer:
         why = f"it took longer than the {self._setup.timeout:g} s that a file may take"
-        return self._setup.failed(task, "timed_out", why, took)
+        return self._setup.failed(job.task, "timed_out", why, took, job.before)
+
+    def _as_they_are(self, bundle: Sequence[_Job]) -> list[_Job]:
+        """Return files with what they are now, where that is known in time."""
+        names = [Path(self._folder, job.task.file) for job in bundle]
+        unknown: list[os.stat_result | None] = [None] * len(names)
+        statuses = within(self._setup.timeout, lambda: list(map(status_of, names)), unknown)
+        return [job._replace(before=status) for job, status in zip(bundle, statuses, strict=True)]
 
     def _start(self) -> subprocess.Popen[bytes]:
         """Return a process that is ready to answer."""
@@ -213,6 +231,7 @@ class _Worker:
                     stdout=subprocess.PIPE,
                     stderr=quiet,
                     env={**_ALLOCATION, **os.environ, **alone},
+                    cwd=self._folder or None,
                 )
             except OSError as error:
                 raise _too_many(error.strerror or str(error)) from None

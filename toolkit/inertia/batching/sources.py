@@ -8,6 +8,7 @@ import glob
 import io
 import os
 import re
+import stat
 import sys
 from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -22,7 +23,7 @@ from inertia.errors import InertiaError, ReadError, Remedy, UsageError, placed, 
 from inertia.estimate import Estimate, relative_figure, scale_of
 from inertia.mesh.readers.compressed import ARCHIVE, UNPACK_LIMIT, is_packed, member_copy, meshes_in
 from inertia.mesh.readers.contents import alone
-from inertia.output import note_input, temporary_folder
+from inertia.output import note_input, status_of, temporary_folder
 from inertia.standard_input import NAME as STANDARD_INPUT
 from inertia.standard_input import NO_FILE, reason_of
 from inertia.tables import SUFFIXES, cell_text, load_pyarrow, read_table
@@ -54,6 +55,11 @@ class Task(NamedTuple):
     options: Mapping[str, Any] = {}
     archive: str = ""
     member: str = ""
+
+    @property
+    def file(self) -> str:
+        """The file that it is read out of."""
+        return self.archive or self.path
 
 
 class Cell(NamedTuple):
@@ -160,6 +166,10 @@ def _named(path: str, verb: str) -> Iterable[Task]:
     _require_path(path)
     if path.lower().endswith((".csv", ".parquet")) and not (verb == "audit" and path.lower().endswith(".csv")):
         manifests = [path] if _URL.match(path) else _matching(path)
+        for name in manifests:
+            if name != path and (status := status_of(name)) is not None and not stat.S_ISREG(status.st_mode):
+                says = "it is not a regular file but a pipe, socket or device: give it by its name if it is a manifest"
+                raise ReadError(f"cannot read {visible(name)}: {says}")
         return chain.from_iterable(_rows(name, verb) for name in manifests)
     if path == STANDARD_INPUT:
         return _some(map(Task, _lines()), "standard input names no file: give it a path a line")
@@ -285,6 +295,11 @@ def _may_be_folder(entry: os.DirEntry[str]) -> bool:
         return entry.is_dir()
     except OSError as error:  # of a link
         return error.errno not in _NO_FOLDER
+
+
+def is_url(path: str) -> bool:
+    """Say whether a path is a URL."""
+    return _URL.match(path) is not None
 
 
 def _require_back_end(url: str) -> None:

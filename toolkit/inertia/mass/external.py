@@ -21,7 +21,7 @@ from inertia.mass.triangles.sums import Frame, SummedFacets, Sums, block_rows, f
 from inertia.mesh.checks.edge_faults import edge_faults, shell_findings
 from inertia.mesh.checks.findings import Finding, counted
 from inertia.mesh.external.closure import Pairing, external_closure, room_for, room_to_look
-from inertia.mesh.external.memory import RESERVE, WHOLE, fits, fits_in_memory, in_bytes, resident
+from inertia.mesh.external.memory import RESERVE, enough, fits, fits_in_memory, in_bytes, resident
 from inertia.mesh.external.shuffle import DaskWorkers
 from inertia.mesh.external.temporary_file import MEMORY
 from inertia.mesh.geometry.irregular_edges import Irregular
@@ -61,16 +61,12 @@ def require_external(part: Part, memory: float, asked: Collection[str]) -> None:
     if asked and not math.isfinite(memory):
         raise UsageError(f"{' and '.join(asked)} cannot be had from Dask workers: leave one or the other out")
     if asked:
+        takes = in_bytes(enough(part.triangles.count))
         raise UsageError(
-            f"{part.name} takes up to {in_bytes(_at_once(part))} of memory, beyond {in_bytes(memory)}, and "
+            f"{part.name} takes up to {takes} of memory, beyond {in_bytes(memory)}, and "
             f"{' and '.join(asked)} cannot be had otherwise: leave that out, or allow that much by ",
             MEMORY,
         )
-
-
-def _at_once(part: Part) -> float:
-    """Return the bytes of memory in which this process analyses a part at once."""
-    return 1.02 * (WHOLE * part.triangles.count + resident() + RESERVE)
 
 
 def external_integrals(
@@ -96,7 +92,7 @@ def external_integrals(
 
 def _with_what_remedies_take(part: Part, fault: GeometryError, distributed: bool) -> GeometryError:
     """Return a refusal that says how those of its remedies can be had that take the whole part in memory."""
-    remedies = [remedy for remedy in dict.fromkeys(fault.remedies) if remedy in _AT_ONCE]
+    remedies = [remedy for remedy in fault.remedies if remedy in _AT_ONCE]
     if not remedies:
         return fault
     words: list[Word] = ["; ", remedies[0]]
@@ -106,7 +102,7 @@ def _with_what_remedies_take(part: Part, fault: GeometryError, distributed: bool
     if distributed:
         words += ["leave ", _DASK, " out"]
     else:
-        words += [f"allow {in_bytes(_at_once(part))} by ", MEMORY]
+        words += [f"allow {in_bytes(enough(part.triangles.count))} by ", MEMORY]
     return GeometryError(*fault.words, *words, places=fault.places, code=fault.code)
 
 
@@ -121,9 +117,10 @@ def _integrals(
     triangles = part.triangles
     tries = arithmetics(accuracy)
     beside = resident() + RESERVE + triangles.count
+    most = enough(triangles.count) if workers is None else math.inf
     room = int(memory - beside) if math.isfinite(memory) else room_for(triangles.count) + _AMPLE
     if room < room_for(triangles.count):
-        least = 1.02 * (beside + room_for(triangles.count))
+        least = min(1.02 * (beside + room_for(triangles.count)), most)
         raise UsageError(
             f"{part.name} has {triangles.count} triangles, which cannot be checked within {in_bytes(memory)} of "
             f"memory: allow at least {in_bytes(least)} by ",
@@ -147,11 +144,11 @@ def _integrals(
     pieces: tuple[Shell, ...] = ()
     doubts: tuple[Finding, ...] = ()
     if not shell:
-        pieces = _shells(part, pairing, room, beside) if topology.open_edges == 0 else ()
+        pieces = _shells(part, pairing, room, beside, most) if topology.open_edges == 0 else ()
         refuse_faults(part, edge_faults(part, topology, pairing.irregular, pieces, extents))
         doubts = _shell_doubts(part, pairing, pieces, extents) if pieces else ()
     elif topology.crowded:
-        _irregular_of(part, pairing, beside)
+        _irregular_of(part, pairing, beside, most)
     integral = Integral(
         groups=(),
         method=METHODS["float64"],
@@ -194,24 +191,24 @@ def _shell_doubts(part: Part, pairing: Pairing, pieces: tuple[Shell, ...], exten
     return refuse_faults(part, shell_findings(part, pairing.closure, pairing.irregular, pieces, extents))
 
 
-def _irregular_of(part: Part, pairing: Pairing, beside: float) -> Irregular:
+def _irregular_of(part: Part, pairing: Pairing, beside: float, most: float) -> Irregular:
     """Return the irregular edges; raise `UsageError` where they are too many for the memory."""
     if isinstance(pairing.irregular, Irregular):
         return pairing.irregular
     edges, least = pairing.irregular.crowded, beside + room_to_look(part.triangles.count, pairing.irregular.halves)
-    raise _too_little(part, f"{counted(edges, 'edge')} of more than two triangles", least)
+    raise _too_little(part, f"{counted(edges, 'edge')} of more than two triangles", least, most)
 
 
-def _shells(part: Part, pairing: Pairing, room: int, beside: float) -> tuple[Shell, ...]:
+def _shells(part: Part, pairing: Pairing, room: int, beside: float, most: float) -> tuple[Shell, ...]:
     """Return the shells of a closed surface; none where it has one, or all of them are bodies that lie apart."""
     triangles, topology = part.triangles, pairing.closure
-    _irregular_of(part, pairing, beside)
+    _irregular_of(part, pairing, beside, most)
     count = topology.components
     if count == 1 or sound_bodies(triangles, topology, streamed=True) == count:
         return ()
     if not _nests(triangles, room):
         least = beside + (4 + _NESTING) * triangles.count
-        raise _too_little(part, f"{topology.components} shells, and which of them lie in others,", least)
+        raise _too_little(part, f"{topology.components} shells, and which of them lie in others,", least, most)
     return shells(triangles, topology)
 
 
@@ -226,9 +223,12 @@ def _nests(triangles: Triangles, room: int) -> bool:
     return room - 4 * triangles.count >= _NESTING * triangles.count
 
 
-def _too_little(part: Part, what: str, least: float) -> UsageError:
-    says = f"{part.name} has {what} which cannot be looked at in so little memory: allow {in_bytes(1.02 * least)} by "
-    return UsageError(says, MEMORY)
+def _too_little(part: Part, what: str, least: float, most: float) -> UsageError:
+    """Return that more memory is needed: the least bytes piece by piece, or the `most`, where it is done at once."""
+    allow = in_bytes(min(1.02 * least, most))
+    return UsageError(
+        f"{part.name} has {what} which cannot be looked at in so little memory: allow {allow} by ", MEMORY
+    )
 
 
 def _note(memory: float, distributed: bool, pieces: tuple[Shell, ...], crowded: int) -> str:

@@ -31,11 +31,11 @@ class Version:
         self.path = path
         self.others: dict[str, Version] = {}
         """The files that it refers to, by the names that it has for them."""
-        self._status = _status(path.stat())
+        self._status = state_of(path.stat())
         self._recent = abs(time.time() - max(self._status[3:]) / 1e9) < _TICK
         if self._recent and self.size > _AT_ONCE:
             time.sleep(_TICK)
-            self._status, self._recent = _status(path.stat()), False
+            self._status, self._recent = state_of(path.stat()), False
         self._digest = self._hashed() if self.size <= _AT_ONCE else None
 
     @property
@@ -56,7 +56,7 @@ class Version:
 
         Without `links` it may have been moved or deleted while it is open, which leaves its contents alone.
         """
-        if _status(status)[: None if links else 4] != self._status[: None if links else 4]:
+        if state_of(status)[: None if links else 4] != self._status[: None if links else 4]:
             raise ReadError(CHANGED, code="changed")
 
     def require_contents(self) -> None:
@@ -110,5 +110,6 @@ def refer_to(path: Path, name: str) -> None:
         version.others[name] = Version(path)
 
 
-def _status(status: os.stat_result) -> tuple[int, ...]:
+def state_of(status: os.stat_result) -> tuple[int, ...]:
+    """Return what tells a file from another one, and from itself once it has changed."""
     return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns

@@ -30,6 +30,11 @@ def fits(triangles: int, memory: float) -> bool:
     return WHOLE * triangles <= memory - resident() - RESERVE
 
 
+def enough(triangles: int) -> float:
+    """Return the bytes of this process in which so many triangles are analysed at once."""
+    return 1.02 * (WHOLE * triangles + resident() + RESERVE)
+
+
 def fits_in_memory(triangles: int, memory: float, held: int) -> bool:
     """Say it of those that were read whole, for which this process holds so many bytes already."""
     return WHOLE * triangles - held <= memory - resident()

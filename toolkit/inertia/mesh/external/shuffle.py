@@ -7,7 +7,6 @@ paired comes back here. All workers read the file, by the same path, and it has 
 from __future__ import annotations
 
 import operator
-from asyncio import CancelledError
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -17,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Int, Progress
-from inertia.errors import InertiaError, ReadError, UsageError, visible
+from inertia.errors import ReadError, UsageError, visible
 from inertia.mesh.external.closure import Paired
 from inertia.mesh.geometry.edge_buckets import BYTES, MOST, Sorter, bits_for, irregular_halves, steps_for
 from inertia.mesh.part import Part
@@ -25,6 +24,7 @@ from inertia.mesh.readers.ply import read_ply
 from inertia.mesh.readers.stl import HEADER, is_binary_stl
 from inertia.mesh.surface import FacesInFile, Facets, FacetsInFile, Surface, Triangles
 from inertia.records import dataclass
+from inertia.scheduler import fault, finished, sent
 from inertia.standard_input import NAME
 
 T = TypeVar("T")
@@ -36,7 +36,6 @@ SHARE = 1 << 26
 """Bytes of records that a worker pairs at a time, about."""
 
 _RANGES = 128  # at most, so that there are not too many pieces to move
-_GONE = "the Dask scheduler does not answer any more: start it again, and run again"
 
 
 @dataclass(frozen=True)
@@ -104,7 +103,7 @@ class DaskWorkers:
 
     def over_ranges(self, function: Callable[..., T], *arguments: object, progress: Progress | None = None) -> list[T]:
         """Return ``function(triangles, *arguments)`` for each range of triangles, in their order."""
-        futures = [self._client.submit(_of_range, function, *at, *arguments, pure=False) for at in self._ranges()]
+        futures = [self._client.submit(sent(_of_range, function, *at, *arguments), pure=False) for at in self._ranges()]
         results: dict[int, T] = {}
         for number, result in self._results(futures):
             results[number] = result
@@ -117,9 +116,10 @@ class DaskWorkers:
         bits = bits_for(self._file.count)
         shares = 1 << min(bits, max(3 * BYTES * self._file.count // SHARE, 1).bit_length())
         submit = self._client.submit
-        runs = [submit(_run, *at, salt, bits, shares, pure=False) for at in self._ranges()]
+        runs = [submit(sent(_run, *at, salt, bits, shares), pure=False) for at in self._ranges()]
+        pair = sent(_pair, salt, room)
         futures = [
-            submit(_pair, [submit(operator.getitem, run, share, pure=False) for run in runs], salt, room, pure=False)
+            submit(pair, *(submit(operator.getitem, run, share, pure=False) for run in runs), pure=False)
             for share in range(shares)
         ]
         points = [submit(operator.getitem, run, shares, pure=False) for run in runs]
@@ -143,31 +143,11 @@ class DaskWorkers:
         number = {future.key: k for k, future in enumerate(futures)}
         done = distributed.as_completed(futures, loop=self._client.loop, with_results=True, raise_errors=False)
         while number:
-            try:
-                future, result = next(done)
-            except (OSError, CancelledError, StopIteration):  # the connection is lost
-                raise InertiaError(_GONE, code="workers") from None
-            if future.status in ("lost", "pending"):  # its worker ended with the result, and another one makes it anew
-                done.add(future)
-                continue
-            if future.status != "finished":
-                raise _fault(future)
-            yield number.pop(future.key), result
-            future.release()
-
-
-def _fault(future: Any) -> InertiaError:
-    """Say why there is no result."""
-    if future.status == "error":
-        error = future.exception()
-        if isinstance(error, InertiaError):
-            return error
-        return InertiaError(
-            f"the Dask workers failed ({visible(type(error).__name__)}: {visible(str(error))}): look at their logs, "
-            "and whether they have the same version of inertia and memory enough",
-            code="workers",
-        )
-    return InertiaError(_GONE, code="workers")
+            for future, result in finished(done, self._client):
+                if future.status != "finished":
+                    raise fault(future.exception())
+                yield number.pop(future.key), result
+                future.release()
 
 
 def _of_range(function: Callable[..., T], file: StoredTriangles, start: int, stop: int, *arguments: object) -> T:
@@ -190,7 +170,7 @@ def _run(
     return [*((records[at[0] : at[-1]].copy(), at - at[0]) for at in own), repeated]
 
 
-def _pair(pieces: Sequence[_Piece], salt: NDArray[np.uint64], room: int) -> Paired:
+def _pair(salt: NDArray[np.uint64], room: int, *pieces: _Piece) -> Paired:
     """Pair the edges of a share of the buckets."""
     steps = steps_for(sum(len(records) for records, _ in pieces), salt)
     pairs = [np.empty((0, 2), np.uint32)]
