@@ -359,3 +359,10 @@ def test_two_bodies_far_apart_have_their_moments_though_float64_has_not() -> Non
     assert off <= answer.error.inertia * np.linalg.norm(np.array(tensor, float))
     with pytest.raises(GeometryError, match="inside out"):
         inertia.mass_properties(part_of(block, inside_out(speck), unit="m"), 1.0)
+
+
+@pytest.mark.parametrize("power", [62, 63])
+def test_a_doubt_whose_inertia_leaves_float64_is_refused(power: int) -> None:
+    both = joined(cube(), cube((0.5, 0.5, 0.5)))
+    with pytest.raises(GeometryError, match=r"above 1.8e308 and leaves float64"):
+        inertia.analyse(Part(Surface(both.vertices * 10.0**power, both.faces)), parts="separate")

@@ -337,6 +337,7 @@ class TestShells:
             ([[[0, 0, 0], [1, 0, 0], [1, 0.001, 1]]], 0, ""),
             ([[[0, 0, 0], [1, 0, 0], [0, -1, 0]]], 0, ""),
             ([[[0, 0, 0], [1, 0, 0], [0.5, 0, 0]]], 0, ""),
+            ([[[0, 0, 0], [1, 0, 0], [0.5, 1e-6, 0]]], 0, ""),  # along the side of the first, as at a T-vertex
         ],
     )
     def test_area_that_is_there_twice_is_told(self, again, edges, pair):
@@ -486,8 +487,9 @@ class TestWiresAndPoints:
     @pytest.mark.parametrize(
         ("name", "text", "says"),
         [
-            ("a.obj", "v 0 0 0\nl 1\n", "line 0 has fewer than two vertices"),
-            ("a.obj", "v 0 0 0\nl 1 2\n", "line 0 names vertex 2, but the vertices are 1 to 1"),
+            ("a.obj", "v 0 0 0\nl 1\n", "line element 0 has fewer than two vertices"),
+            ("a.obj", "v 0 0 0\nl 1 2\n", "line element 0 names vertex 2, but the vertices are 1 to 1"),
+            ("a.obj", "v 0 0 0\nl 1 x\n", "line element 0 holds 'x', which is not a whole number"),
             ("a.ply", "element edge 1\nproperty int a\nend_header\n0 0 0\n1\n", "edges have no vertex1 and vertex2"),
         ],
     )

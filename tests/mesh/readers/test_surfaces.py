@@ -5,6 +5,7 @@ import json
 import struct
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -333,7 +334,19 @@ def test_gltf_points_beside_triangles_are_noted(tmp_path: Path) -> None:
 def test_gltf_whose_accessor_rounds_what_it_states_is_read(tmp_path: Path) -> None:
     tree, binary = gltf_tree()
     tree["accessors"][0] |= {"min": [0.1, 0, 0], "max": [1.1001, 2, 3]}
-    assert np.array_equal(read_bytes(tmp_path, "box.glb", glb(tree, binary)).triangles.corners(), SINGLE)
+    part = read_bytes(tmp_path, "box.glb", glb(tree, binary))
+    assert np.array_equal(part.triangles.corners(), SINGLE)
+    assert part.notes == ()
+
+
+@pytest.mark.parametrize("stated", [{"min": [5, 5, 5]}, {"max": [1.1, 2, 3.1]}, {"min": [], "max": None}])
+def test_gltf_whose_accessor_states_another_reach_is_read_with_a_note(stated: dict[str, Any], tmp_path: Path) -> None:
+    tree, binary = gltf_tree()
+    tree["accessors"][0] |= stated
+    part = read_bytes(tmp_path, "box.glb", glb(tree, binary))
+    assert np.array_equal(part.triangles.corners(), SINGLE)
+    [note] = part.notes
+    assert note.startswith("1 accessor of positions has others than the min and max stated")
 
 
 def test_the_first_of_several_scenes_of_gltf_is_noted_where_none_is_named(tmp_path: Path) -> None:

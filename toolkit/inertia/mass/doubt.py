@@ -9,7 +9,7 @@ import numpy as np
 
 from inertia.errors import GeometryError
 from inertia.mass.moments import PAIRS, ZERO, Moments, Vector, six, vector
-from inertia.mass.properties import ErrorBound
+from inertia.mass.properties import TOO_LARGE, ErrorBound
 from inertia.mass.tessellation import error_within
 from inertia.mesh.doubt import Doubt
 from inertia.units import Unit
@@ -26,9 +26,10 @@ def doubt_bounds(doubt: Doubt, origin: Vector) -> Moments:
     way = doubt.places - [float(k) for k in origin]
     away = abs(way) + doubt.reach[:, None]
     far = np.linalg.norm(way, axis=1) + doubt.reach
-    norms = _up(float(doubt.either @ far)), _up(math.sqrt(2) * float(doubt.either @ far**2))
-    first = (_up(float(doubt.either @ away[:, axis])) for axis in range(3))
-    second = (_up(float((doubt.either * away[:, i]) @ away[:, j])) for i, j in PAIRS)
+    with np.errstate(over="ignore", invalid="ignore"):
+        norms = _up(float(doubt.either @ far)), _up(math.sqrt(2) * float(doubt.either @ far**2))
+        first = [_up(float(doubt.either @ away[:, axis])) for axis in range(3)]
+        second = [_up(float((doubt.either * away[:, i]) @ away[:, j])) for i, j in PAIRS]
     return Moments(origin, ZERO, (ZERO,) * 3, (ZERO,) * 6, _up(doubt.volume), vector(first), six(second), norms)
 
 
@@ -65,4 +66,6 @@ def doubt_error(
 
 
 def _up(value: float) -> Fraction:
+    if not math.isfinite(value):
+        raise GeometryError(*TOO_LARGE)
     return Fraction(value) * _ROUNDED_UP

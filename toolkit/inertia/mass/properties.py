@@ -119,7 +119,7 @@ class MassProperties:
         try:
             size = float(volume)
         except OverflowError:
-            raise GeometryError(*_TOO_LARGE) from None
+            raise GeometryError(*TOO_LARGE) from None
         if volume and not size:
             raise GeometryError(*_TOO_SMALL)
         return cls._rounded(moments, size, _relative(volume_bound, [volume], [size]), None, method)
@@ -157,7 +157,7 @@ class MassProperties:
             com = [k / d for k in center]
             tensor = [float(k) for k in exact]
         except OverflowError:
-            raise GeometryError(*_TOO_LARGE) from None
+            raise GeometryError(*TOO_LARGE) from None
         if mass == 0 or (any(exact) and not any(tensor)):
             raise GeometryError(*_TOO_SMALL)
         error = ErrorBound(
@@ -355,7 +355,7 @@ class MassProperties:
         try:
             return self._rounded(moments, self.volume, self.error.volume, 0.0, self.error.method)
         except GeometryError as error:
-            if error.words in (_TOO_LARGE, _TOO_SMALL):
+            if error.words in (TOO_LARGE, _TOO_SMALL):
                 raise UsageError(
                     f"with a mass of {mass:g} kg the tensor leaves float64: name a mass nearer to {self.mass:g} kg"
                 ) from None
@@ -429,7 +429,7 @@ def stretched(
     return MassProperties.from_moments(moments.scaled(density), volume, bound, properties.error.method)
 
 
-_TOO_LARGE = "the result is above 1.8e308 and leaves float64: give the coordinates in a smaller unit with ", UNIT
+TOO_LARGE = "the result is above 1.8e308 and leaves float64: give the coordinates in a smaller unit with ", UNIT
 _TOO_SMALL = "the result is below 5e-324 and leaves float64: give the coordinates in a larger unit with ", UNIT
 
 

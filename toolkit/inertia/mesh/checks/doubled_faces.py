@@ -14,7 +14,7 @@ from inertia.mesh.surface import Triangles
 
 _TOGETHER = 8  # triangles at an edge that are compared
 _FOLDED = 1e-6  # rad between two triangles that lie on one another
-_FLAT = 1e-9  # height of a triangle over its side, from which on it has a direction
+_FLAT = 1e-5  # height of a triangle over its side, more than six digits of a coordinate can make of none
 
 
 def doubled_faces(triangles: Triangles) -> str | None:
@@ -56,7 +56,10 @@ def doubled_faces(triangles: Triangles) -> str | None:
 
 
 def _folded(tail: Float, head: Float, one: Float, other: Float) -> Bool:
-    """Say which triangles over edges (k, 3) from tails to heads, with third corners `one` and `other`, are folded."""
+    """Say which triangles over edges (k, 3) from tails to heads, with third corners `one` and `other`, are folded.
+
+    Slivers, as at T-vertices, lie where the rounding of their corners has them.
+    """
     along, a, b = head - tail, one - tail, other - tail
     square = _dot(along, along)
     on_one_side = _dot(a, b) * square > _dot(a, along) * _dot(b, along)  # which few are

@@ -84,6 +84,11 @@ def _read(path: Path, do: Callable[[Scene], T]) -> tuple[T, tuple[str, ...]]:
         notes.append(f"{plural(hidden, 'node')} marked as not visible (KHR_node_visibility) {was(hidden)} counted")
     if "scene" not in scene.tree and (scenes := len(scene.tree.entries("scenes", []))) > 1:
         notes.append(f"of {scenes} scenes, none of which is named as the one to show, the first was read")
+    if beyond := len(scene.beyond):
+        notes.append(
+            f"{plural(beyond, 'accessor')} of positions {'has' if beyond == 1 else 'have'} others than the min and max "
+            "stated: make sure that the file and its buffers are of one export"
+        )
     return result, tuple(notes)
 
 
@@ -154,6 +159,7 @@ class Scene:
         self.folder = folder
         self.buffers: dict[int, Stored] = {}
         self.left_out = self.hidden = 0
+        self.beyond: set[str] = set()
         asset = tree.object("asset")
         version = asset.label("version") or asset.text("version")
         if not version.startswith("2."):
@@ -261,7 +267,9 @@ class Scene:
             raise ReadError(
                 "its positions are not three float32 numbers each: export it without quantisation", code="not_read"
             )
-        _check_reach(positions, self._item("accessors", primitive.object("attributes"), "POSITION"))
+        accessor = self._item("accessors", primitive.object("attributes"), "POSITION")
+        if not _reaches_as_stated(positions, accessor):
+            self.beyond.add(accessor.where("min"))
         if "indices" in primitive:
             corners = self._accessor(primitive, "indices")
             if corners.dtype.kind != "u" or corners.shape[1] != 1:
@@ -351,16 +359,17 @@ class Scene:
         return JsonObject(items[index], f"{kind}[{index}]")
 
 
-def _check_reach(positions: NDArray[Any], accessor: JsonObject) -> None:
-    """Refuse positions (n, 3) far from the smallest and largest that their accessor states, where it does."""
-    for name, has in (("min", positions.min(axis=0)), ("max", positions.max(axis=0))):
-        if (stated := accessor.numbers(name, 3)) is not None:
-            off = np.abs(np.array(stated, np.float64) - has)
-            if (off > _SLOPPY * max(np.abs(positions).max(), *map(abs, stated))).any():
-                raise ReadError(
-                    f"{accessor.where(name)} says {list(map(float, stated))}, but its positions have "
-                    f"{list(map(float, has))}: it is damaged, export it again"
-                )
+def _reaches_as_stated(positions: NDArray[Any], accessor: JsonObject) -> bool:
+    """Say whether positions (n, 3) reach as far as their accessor states, where it does; exporters round that."""
+    try:
+        stated = [accessor.numbers(name, 3) for name in ("min", "max")]
+    except ReadError:
+        return False
+    farthest = np.abs(positions).max()
+    return all(
+        numbers is None or np.abs(np.subtract(numbers, has)).max() <= _SLOPPY * max(farthest, *map(abs, numbers))
+        for numbers, has in zip(stated, (positions.min(axis=0), positions.max(axis=0)), strict=True)
+    )
 
 
 def _triangles(corners: Int, mode: int) -> Int:
