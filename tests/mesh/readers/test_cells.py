@@ -400,11 +400,19 @@ def test_the_smallest_abaqus_set_that_holds_a_cell_names_it(tmp_path: Path) -> N
         ("a.su2", SU2.replace("1 1 1", "1 1 1e"), "'1e', which is not a number"),
         ("a.su2", SU2.replace("NPOIN= 5", "NPOIN= five"), "not a count"),
         ("a.su2", "NZONE= 2\nIZONE= 1\n" + SU2, "its NZONE says that it has several zones"),
+        ("a.su2", SU2 + "NMARK= 1\nMARKER_TAG= a\n0 0 0\n", "'0 0 0' stands outside its tables"),
+        (
+            "a.su2",
+            SU2 + "MARKER_TAG= SEND_RECEIVE\nMARKER_ELEMS= 1\nSEND_RECV= 2\n1 0 0\n",
+            "SEND_RECEIVE says that it is",
+        ),
         ("a.su2", SU2 + SU2, "its NDIME says that it has several zones"),
         ("a.su2", SU2 + SU2.partition("\n")[2], "its NPOIN says that it has several zones"),
         ("a.su2", SU2[: SU2.index("NPOIN")] + SU2[SU2.index("NELEM") :], "it has no NPOIN"),
         ("a.mesh", MEDIT + "Tetrahedra\n1\n1 2 3 4 1\nEnd\n", "text follows its End"),
         ("a.mesh", MEDIT.replace("\nEnd\n", ""), "has no End"),
+        ("a.mesh", MEDIT.replace("Tetrahedra\n1", "Ridges\n1\n1"), "its table 'Ridges' is not as long as it says"),
+        ("a.mesh", MEDIT.replace("Tetrahedra", "BoundingBox\n0 1 0 1"), "its table 'BoundingBox' is not as long"),
         ("a.mesh", MEDIT.replace("End\n", "Tetrahedra\n1\n1 2 3 4 1\nEnd\n"), "a table twice"),
     ],
 )
@@ -419,6 +427,7 @@ def test_what_would_be_misread_is_refused(name: str, text: str, reason: str, tmp
         ("a.mesh", MEDIT.replace("1 2 3 4 1\n", "1 2 3 4 1\n1 2 3 4 1\n"), "as medit: it is damaged"),
         ("a.mesh", MEDIT.replace("Vertices\n4", "Vertices\n5"), r"as medit \(it holds more or fewer numbers"),
         ("a.mesh", MEDIT.replace("Tetrahedra\n1", "Tetrahedra\nx"), r"as medit \('x' stands where a number should\)"),
+        ("a.su2", "MARKER_TAG= wall\n" + SU2.replace("NDIME= 3", "NDIME= 4"), r"as su2 \('Invalid dimension value"),
         ("a.vtk", VTK_TEXT.replace("double", "decimal"), r"as vtk \('decimal' is missing or not known\)"),
         ("a.vtk", VTK_TEXT.replace("CELL_DATA 2", "CELL_DATA"), r"as vtk \(something in it is missing or too short\)"),
         (
@@ -433,10 +442,41 @@ def test_what_meshio_raises_is_said_in_words(name: str, text: str, reason: str, 
         read_text(tmp_path, name, text)
 
 
-@pytest.mark.parametrize("text", [SU2.replace("=", " ="), "NZONE= 1 % one\nIZONE= 1\n" + SU2])
-def test_keywords_of_su2_with_blanks_and_its_one_zone_are_read(text: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "text",
+    [
+        SU2.replace("=", " ="),
+        "NZONE= 1 % one\nIZONE= 1\n" + SU2,
+        SU2.replace("NDIME= 3", "NDIME= 3 % of space"),
+        SU2.replace("NELEM= 2\n", "NELEM= 2 % cells\n% kind, nodes\n\n").replace("1 1 1\n", "1 1 1 % last\n"),
+        SU2
+        + "FFD_NBOX= 1\nFFD_TAG= WING\nFFD_CORNER_POINTS= 2\n0 0 0\n1 0 0\nFFD_SURFACE_POINTS= 1\nwall 0 .5 .5 .5\n",
+        SU2 + "NPERIODIC= 1\nPERIODIC_INDEX= 0\n" + 3 * "0 0 0\n",
+        SU2 + "NMARK= 1\nMARKER_TAG= wall\nMARKER_ELEMS= 0\n",
+    ],
+)
+def test_what_su2_writes_beside_points_and_cells_is_passed_over(text: str, tmp_path: Path) -> None:
     """Two tetrahedra on the same base, of volumes 1/6 and 1/3."""
     assert mass_properties(read_text(tmp_path, "a.su2", text), 1.0).mass == pytest.approx(0.5e-9, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        "RequiredVertices\n2\n1\n2\nRidges\n1\n1\nTangents\n1\n0 0 1\nTangentAtVertices\n1\n1 1\n",
+        "RequiredTriangles\n1\n1\nRequiredEdges\n1\n1\n\nRequiredTetrahedra\n1\n1\nRequiredQuadrilaterals\n0\n",
+        "AngleOfCornerBound\n1e+1\nSubDomainFromGeom\n1\n2 1 1 0\nTangentAtEdges\n1\n1 1 1\n",
+        "# made\nBoundingBox\n0 1 0 1 0 1\nNormals 1\n0 0 1 # up\nNormalAtTriangleVertices\n1\n1 1 1\n",
+        "EdgesOnGeometricEdge\r\n1\r\n1 1\r\n",
+    ],
+)
+def test_tables_of_medit_that_change_no_body_are_left_out(tables: str, tmp_path: Path) -> None:
+    for text in (MEDIT.replace("End\n", tables + "End\n"), MEDIT.replace("Tetrahedra\n", tables + "Tetrahedra\n")):
+        part = read_text(tmp_path, "a.mesh", text)
+        assert mass_properties(part, 1.0).mass == pytest.approx(1e-9 / 6, rel=1e-15)
+        assert names_of(part) == ["1"]
+    with pytest.raises(ReadError, match=r"as medit \(\"Unknown keyword 'Other'"):
+        read_text(tmp_path, "a.mesh", MEDIT.replace("End\n", tables + "Other\n1\n1\nEnd\n"))
 
 
 def test_a_node_0_that_counts_from_1_is_none(tmp_path: Path) -> None:
@@ -481,7 +521,6 @@ def test_a_vtu_file_that_is_packed_otherwise_is_refused_by_name(kind: str, tmp_p
 @pytest.mark.parametrize(
     ("old", "new", "reason"),
     [
-        ("<Geometry", '<Information Name="a" Value="b"/><Geometry', "an Information without text, which is not read"),
         ("<Grid ", '<Grid GridType="Collection"/><Grid ', r"it has 2 grids \(Collection, Uniform\), but one"),
         ('GridType="Uniform"', 'GridType="Tree"', r"it has 1 grid \(Tree\), but one"),
     ],

@@ -13,7 +13,7 @@ from inertia.mesh.read import read
 
 KINDS = (
     *("Bit", "Char", "SignedChar", "UnsignedChar", "Short", "UnsignedShort", "Int", "UnsignedInt", "LongLong"),
-    *("UnsignedLongLong", "IdType", "Float", "Double", "String"),
+    *("UnsignedLongLong", "IdType", "Float", "Double", "String", "Variant"),
 )
 ROLES = (
     *(("Double", role) for role in ("Scalars", "Normals", "TCoords", "GlobalIds", "PedigreeIds", "Tensors")),
@@ -29,16 +29,21 @@ def by_vtk(path: Path, version: int, binary: bool, kind: str, role: str | None =
     for x, z, (a, b) in itertools.product((0, 10), (0, 4), ((0, 0), (2, 0), (2, 3), (0, 3))):
         points.InsertNextPoint(x + a, b, z)
     grid.SetPoints(points)
+    if kind == "Double":
+        points.GetData().SetComponentName(1, "y")
+        points.GetData().GetRange(-1)  # which is written, too
     for k in (0, 8):
         grid.InsertNextCell(12, 8, [*range(k, k + 8)])
     regions.SetName("region")
     for k, data in enumerate((grid.GetCellData(), grid.GetPointData())):
         array = getattr(core, f"vtk{kind}Array")()
         array.SetName("extra one")
-        array.SetNumberOfComponents({"Normals": 3, "TCoords": 2, "Tensors": 6}.get(role or "", 1))
+        array.SetNumberOfComponents(
+            {"Normals": 3, "TCoords": 2, "Tensors": 6, "Scalars": 1 if kind == "Bit" else 9}.get(role or "", 1)
+        )
         array.SetNumberOfTuples(16 if k else 2)
         for i in range(array.GetNumberOfValues()):
-            array.SetValue(i, {"String": "é b" * 40 * i, "Char": "1"}.get(kind, i % 2))
+            array.SetValue(i, {"String": "é b" * 40 * i, "Char": "1", "Variant": core.vtkVariant(i)}.get(kind, i % 2))
         getattr(data, f"Set{role}")(array) if role else data.AddArray(array)
     for k in (7, 8):
         regions.InsertNextValue(k)
@@ -76,6 +81,8 @@ OF_CELLS = "CELL_DATA 2\n{}SCALARS material int 1\nLOOKUP_TABLE default\n7 8\n"
         "COLOR_SCALARS c 3\n0.5 0 1 0.25 0 1\n",
         "LOOKUP_TABLE t 3\n0 0 0 1 0.5 0.5 0.5 1 1 1 1 1\n",
         "EDGE_FLAGS e int\n0 1\n",
+        "SCALARS s int 5\nLOOKUP_TABLE default\n1 2 3 4 5\n6 7 8 9 0\n",
+        "FIELD f 2\nu 3 2 int\n1 2 3 4 5 6\nMETADATA\nCOMPONENT_NAMES\n\nv\n\n\nother 1 2 int\n1 2\n",
         "FIELD f 2\nnames 1 2 string\none%20two\n\nother 2 2 int\n1 2 3 4\n",
     ],
 )
@@ -88,7 +95,7 @@ def test_data_before_the_regions_are_passed_over(data: str, tmp_path: Path) -> N
     ("data", "reason"),
     [
         ("NORMALS n float\n0 0 1 0\n", "fewer numbers than it"),
-        ("NORMALS n variant\n0 0 1 0 0 1\n", "of the type 'variant', which is not read"),
+        ("NORMALS n decimal\n0 0 1 0 0 1\n", "of the type 'decimal', which is not read"),
         (f"LOOKUP_TABLE t {10**17}\n", "ends within one of its attributes"),
         (f"FIELD f 1\nnames 1 {10**17} string\n", "ends within one of its attributes"),
     ],

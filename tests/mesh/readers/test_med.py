@@ -8,7 +8,7 @@ from tests.mesh.readers.samples import TETRA, TETRA_POINTS, by_meshio
 from tests.mesh.readers.test_cells import names_of, written
 
 from inertia.errors import ReadError
-from inertia.mesh.part import Part
+from inertia.mesh.part import Cells, Part
 from inertia.mesh.read import read
 
 h5py = pytest.importorskip("h5py")
@@ -58,6 +58,36 @@ def test_cells_without_families_are_in_none(tmp_path: Path) -> None:
         del step["MAI/PY5/FAM"]
     part = read(tmp_path / "a.med")
     assert sorted(names_of(part) or ()) == sorted(names_of(whole) or ()) == ["default", "steel"]
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "latin-1"])
+def test_names_of_groups_are_in_any_language(encoding: str, tmp_path: Path) -> None:
+    by_meshio(tmp_path, "a.med", "med")
+    with h5py.File(tmp_path / "a.med", "r+") as file:
+        (families,) = file["FAS"].values()
+        for kinds in file["ENS_MAA"].values():
+            (step,) = kinds.values()
+            for kind in step["MAI"].values():
+                kind.pop("FAM", None)
+                kind["FAM"] = np.full(int(kind["NOD"].attrs["NBR"]), -7)
+        family = families.create_group("ELEME/FAM_-7")
+        family.attrs["NUM"] = -7
+        family.create_dataset("GRO/NOM", (1,), dtype="80int8")
+        family["GRO"].attrs["NBR"] = 1
+        family["GRO/NOM"][0] = np.frombuffer("moitié".encode(encoding).ljust(80, b"\0"), np.int8)
+        families.create_group("ELEME/FAM_-8").attrs["NUM"] = -8  # in no group
+    assert set(names_of(read(tmp_path / "a.med")) or ()) == {"moitié"}
+
+
+def test_a_file_without_groups_is_read(tmp_path: Path) -> None:
+    by_meshio(tmp_path, "a.med", "med")
+    whole = read(tmp_path / "a.med")
+    with h5py.File(tmp_path / "a.med", "r+") as file:
+        del file["FAS"]
+    part = read(tmp_path / "a.med")
+    assert isinstance(part.geometry, Cells)
+    assert isinstance(whole.geometry, Cells)
+    assert np.array_equal(part.geometry.blocks[0].nodes, whole.geometry.blocks[0].nodes)
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,8 @@ STRANGERS = {
     "OLE": (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600), "SolidWorks, Inventor"),
     "IGES": (b"comment".ljust(72) + b"S      1\n", "an IGES file"),
     "DXF": (b"  0\nSECTION\n  2\nHEADER\n", "a DXF drawing"),
+    "Fluent": (b'(1 "made")\n(2 3)\n(10 (0 1 1b 0))\n', "a mesh of Fluent: export the mesh as Gmsh, VTU or MED"),
+    "Fluent without a comment": (b"(2 3)\n(10 (0 1 1b 0))\n", "a mesh of Fluent"),
     "AMF": (b'<amf unit="inch"><object>', "an AMF file"),
     "AMF with comments": (b'<?xml version="1.0"?>' + b"<!-- x -->" * 60 + b"\n<amf>", "an AMF file"),
     "7z": (b"7z\xbc\xaf\x27\x1c\0\4", "a 7-Zip archive: unpack it"),
@@ -27,7 +29,7 @@ STRANGERS = {
 }
 
 
-@pytest.mark.parametrize("name", ["a.stl", "a.bdf", "a.step", "a.3mf", "a.vtu", "a"])
+@pytest.mark.parametrize("name", ["a.stl", "a.bdf", "a.step", "a.3mf", "a.vtu", "a.msh", "a"])
 @pytest.mark.parametrize("kind", STRANGERS)
 def test_what_is_no_mesh_is_called_by_its_name(kind: str, name: str, tmp_path: Path) -> None:
     data, says = STRANGERS[kind]

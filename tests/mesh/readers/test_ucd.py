@@ -27,11 +27,15 @@ OF_CELLS = "1 1\nm, none\n" + "".join(f"{k + 1} 2\n" for k in range(6))
         BOX.replace("tet", "TET"),
         BOX.replace("6 0 0 0", "6 2 1 0") + OF_NODES + OF_CELLS,
         BOX.replace("6 0 0 0", "6 0 0 1") + "1 m 0.5\n",
+        BOX.replace("6 0 0 0", "6 2 1 0") + OF_NODES.replace("0.5", "0.5\n") + OF_CELLS.replace("2\n", "2 "),
     ],
 )
-def test_the_box_is_read(text: str, tmp_path: Path) -> None:
-    (tmp_path / "a.avs").write_text(text)
-    properties = mass_properties(read(tmp_path / "a.avs", unit="m"), 1.0)
+@pytest.mark.parametrize("name", ["a.avs", "a.inp", "a"])
+def test_the_box_is_read(text: str, name: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text(text)
+    part = read(tmp_path / name, unit="m")
+    assert part.notes == ()
+    properties = mass_properties(part, 1.0)
     assert properties.mass == pytest.approx(24, rel=1e-15)
     assert properties.center_of_mass == pytest.approx([1, 1.5, 2], rel=1e-15)
 
@@ -43,6 +47,8 @@ def test_the_box_is_read(text: str, tmp_path: Path) -> None:
         (BOX.replace("8 6 0", "8 7 0"), "counts 8 nodes and 7 cells, but it holds 8 and 6"),
         (BOX.replace("8 6 0", "8 4 1"), "its data are not as many as its header counts"),
         (BOX.replace("6 0 0 0", "6 1 0 0") + OF_NODES[:-9], "its data are not as many as its header counts"),
+        (BOX.replace("6 0 0 0", "6 1 0 0") + OF_NODES.replace("2 1 1", "2 1"), "its data are not as many"),
+        (BOX.replace("6 0 0 0", "6 1 0 0") + OF_NODES + "9 0.5 1\n", "stands behind the 6 cells and the data"),
         (BOX.replace("6 0 0 0", "6 0 0"), "its header is '8 6 0 0', not five counts"),
         (BOX.replace("8 6", "9 6").replace("2 2 0", "1 0.5 0.5 0.5\n2 2 0"), "defines node 1 twice"),
         (BOX.replace("2 2 0 0", "2.7 2 0 0"), "'2.7', which is not a whole number"),

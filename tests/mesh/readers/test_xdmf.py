@@ -39,6 +39,20 @@ VERSIONS = ('Version="2.0"', 'Version="3.0"')
         xdmf("Mixed", MIXED, "30"),
         xdmf("Mixed", f"1 1 0 2 2 0 7 {MIXED} 1 1 6", "40", 9),
         xdmf("Mixed", "9 0 1 3 2 4 5 7 6", "9", 1),
+        xdmf().replace(
+            "<Topology ", '<Time TimeType="Single" Value="0.5"/><Information Name="a" Value="b"/><Topology '
+        ),
+        xdmf().replace("<Domain>", '<Information Name="a"/><Domain><Information Name="a" Value="b"/>'),
+        xdmf().replace("TopologyType", "Type").replace("GeometryType", "Type"),
+        xdmf().replace(' GeometryType="XYZ"', ""),
+        xdmf().replace(' Format="XML"', ""),
+        xdmf().replace('"XML"', '"xml"'),
+        xdmf().replace(' NumberType="Int" Precision="8"', ""),
+        xdmf().replace("</Grid>", f'<Attribute Name="a">{ITEM.format(8, "Float", "1 " * 8)}</Attribute></Grid>'),
+        xdmf().replace("</Grid>", f'<Attribute Name="a" Center="Edge">{ITEM.format(1, "Int", 1)}</Attribute></Grid>'),
+        xdmf()
+        .replace("<Grid>", '<Grid GridType="Collection" CollectionType="Temporal"><Grid>')
+        .replace("</Grid>", "</Grid></Grid>"),
     ],
 )
 def test_the_box_is_read(text: str, version: str, tmp_path: Path) -> None:
@@ -64,6 +78,14 @@ def test_the_box_is_read(text: str, version: str, tmp_path: Path) -> None:
         (xdmf().replace("<Topology ", '<Topology Order="3 2 1 0" '), "its Topology has the Order '3 2 1 0'"),
         (xdmf().replace("<Geometry ", '<Geometry Origin="10 0 0" '), "its Geometry has the Origin '10 0 0'"),
         (xdmf().replace("<DataItem ", '<DataItem ItemType="HyperSlab" ', 1), "its data are a 'HyperSlab'"),
+        (
+            xdmf().replace("<Grid>", '<Grid GridType="Collection"><Grid/><Grid>').replace("</Grid>", "</Grid></Grid>"),
+            r"it has 2 grids \(Uniform\), but one",
+        ),
+        (
+            xdmf().replace("</Grid>", '</Grid><i:include xmlns:i="http://www.w3.org/2001/XInclude" href="b.xdmf"/>'),
+            "it includes parts of other files",
+        ),
         (xdmf().replace("</Grid>", "<Geometry/></Grid>"), "it has 2 elements Geometry"),
         ('<!DOCTYPE Xdmf [<!ENTITY a "6">]>' + xdmf(), "declares a document type with contents"),
         (f'<!--<!DOCTYPE Xdmf []>--><!DOCTYPE Xdmf [<!ENTITY a "6">]>{xdmf()}', "a document type with contents"),
@@ -72,6 +94,12 @@ def test_the_box_is_read(text: str, version: str, tmp_path: Path) -> None:
 def test_what_is_not_understood_is_refused(text: str, reason: str, version: str, tmp_path: Path) -> None:
     (tmp_path / "a.xdmf").write_text(text.replace(VERSIONS[0], version))
     with pytest.raises(ReadError, match=reason):
+        read(tmp_path / "a.xdmf")
+
+
+def test_a_grid_of_another_version_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.xdmf").write_text(xdmf().replace(VERSIONS[0], 'Version="1.1"'))
+    with pytest.raises(ReadError, match=r"it is of the version '1.1', but 2 and 3 are read"):
         read(tmp_path / "a.xdmf")
 
 

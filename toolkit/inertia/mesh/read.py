@@ -30,7 +30,7 @@ from inertia.mesh.part import Part, Rounding, Source
 from inertia.mesh.readers.comments import commented_unit
 from inertia.mesh.readers.compressed import UNPACK_LIMIT, packed_as, unpacked
 from inertia.mesh.readers.contents import Contents, Layout, alone
-from inertia.mesh.readers.formats import FORMATS, HEAD, format_of_name, sniff
+from inertia.mesh.readers.formats import EXTENSIONS, FORMATS, HEAD, format_of_name, sniff
 from inertia.mesh.readers.strangers import stranger
 from inertia.mesh.tree import MeshTree
 from inertia.mesh.version import CHANGED, Version, unchanged
@@ -108,7 +108,7 @@ def read(
         raise placed(error, f"cannot read {name}") from error
     notes = list(contents.notes)
     named = format_of_name(Path(name))
-    if named not in (None, kind) and format is None:
+    if named not in (None, kind) and format is None and Path(name).suffix.lower() not in EXTENSIONS[kind]:
         notes.append(f"the name says {named}, but the contents are {kind} and were read as such")
     if override and contents.unit and override != contents.unit:
         notes.append(

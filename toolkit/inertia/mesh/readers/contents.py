@@ -121,7 +121,7 @@ def _reason(error: BaseException, printed: str) -> str:
     says = str(error)
     if isinstance(error, SystemExit):
         lines = printed.partition("Error:")[0].strip().splitlines()  # behind it, that the file cannot be read
-        says = lines[0].strip().removeprefix("Warning: ") if lines else ""
+        says = lines[-1].strip().removeprefix("Warning: ") if lines else ""
     if isinstance(error, KeyError):
         key = str(error.args[0]) if error.args else ""
         return f"{shown(match[1] if (match := _NO_OBJECT.search(key)) else key)} is missing or not known"

@@ -59,7 +59,12 @@ FORMATS = {
     "medit": Format((".mesh",), rb"\s*MeshVersionFormatted\b", "meshio", "read_with_meshio"),
     "netgen": Format((".vol",), rb"(?:\s*#[^\n]*\n)*\s*mesh3d\b", "meshio", "read_with_meshio"),
     "su2": Format((".su2",), rb"(?:\s*%[^\n]*\n)*\s*NDIME\s*=", "meshio", "read_with_meshio"),
-    "avsucd": Format((".avs",), None, "meshio", "read_with_meshio"),
+    "avsucd": Format(
+        (".avs", ".inp"),
+        rb"(?:\s*#[^\n]*\n)*\s*\d+(?:[ \t]+\d+){4}\s*\n\s*\d+(?:[ \t]+[-+.\deE]+){3}\s",  # counts, and a node
+        "meshio",
+        "read_with_meshio",
+    ),
 }
 """Name of a format → what is known about it; the readers are in `inertia.mesh.readers`, a module each."""
 

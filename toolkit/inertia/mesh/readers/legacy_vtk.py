@@ -26,12 +26,17 @@ _TYPES = {
 _WIDTHS = {"NORMALS": 3, "TENSORS6": 6, "GLOBAL_IDS": 1, "PEDIGREE_IDS": 1, "EDGE_FLAGS": 1}
 """Attributes that are passed over, and how many numbers each point or cell has."""
 
+_MOST_SCALARS = 4  # of a point or cell that meshio reads
+
+_NO_NUMBERS = ("string", "variant")
+
 _Attribute = Callable[[BinaryIO, Any], None]
 
 
 def teach(reader: Any) -> None:
     """Let a module of meshio that reads legacy VTK know the types of all versions, and pass over attributes."""
     reader.vtk_to_numpy_dtype_name.update(_TYPES)
+    reader._skip_meta = _metadata(reader._skip_meta)
     reader._read_section = _attribute(reader._read_section)
     reader._read_subsection = _attribute(reader._read_subsection)
     reader._read_fields = _fields(reader._read_fields, reader._skip_meta)
@@ -47,11 +52,30 @@ def _attribute(known: _Attribute) -> _Attribute:
             _pass_over(file, int(words[2]) * info.num_items, words[3], info.is_ascii)
         elif info.section in _WIDTHS:
             _pass_over(file, _WIDTHS[info.section] * info.num_items, words[2], info.is_ascii)
-        elif info.section == "SCALARS" and words[2].lower() == "bit":
+        elif info.section == "SCALARS" and (words[2].lower() == "bit" or int((*words, 1)[3]) > _MOST_SCALARS):
             file.readline()
-            _pass_over(file, int((*words, 1)[3]) * info.num_items, "bit", info.is_ascii)
+            _pass_over(file, int((*words, 1)[3]) * info.num_items, words[2], info.is_ascii)
         else:
             known(file, info)
+
+    return read
+
+
+def _metadata(known: Callable[[BinaryIO], None]) -> Callable[[BinaryIO], None]:
+    """Return what reads all of METADATA, which meshio takes to end at the blank line of a component without a name.
+
+    Such lines are of one word at most, and what follows is of more.
+    """
+
+    def read(file: BinaryIO) -> None:
+        known(file)
+        while line := file.readline():
+            words = line.split()
+            if words[:1] == [b"INFORMATION"] and len(words) == 2:
+                known(file)
+            elif len(words) > 1:
+                file.seek(-len(line), 1)
+                break
 
     return read
 
@@ -65,7 +89,7 @@ def _fields(known: Callable[..., dict[str, Any]], skip_meta: Callable[[BinaryIO]
                 skip_meta(file)
             elif words:
                 count -= 1
-                if words[3].lower() in ("string", "bit"):
+                if words[3].lower() in (*_NO_NUMBERS, "bit"):
                     _pass_over(file, int(words[1]) * int(words[2]), words[3], is_ascii)
                 else:
                     file.seek(-len(line), 1)
@@ -78,16 +102,16 @@ def _fields(known: Callable[..., dict[str, Any]], skip_meta: Callable[[BinaryIO]
 def _pass_over(file: BinaryIO, count: int, kind: str, is_ascii: bool) -> None:
     """Read as many numbers, or strings, of a type of VTK."""
     name = kind.lower()
-    if name != "string" and name not in _TYPES:
+    if name not in (*_NO_NUMBERS, *_TYPES):
         raise ReadError(f"its data are of the type {shown(kind)}, which is not read: leave them out", code="not_read")
-    if name == "string" or is_ascii:
+    if name in _NO_NUMBERS or is_ascii:
         size = count  # at least
     else:
         size = (count + 7) // 8 if name == "bit" else count * np.dtype(_TYPES[name]).itemsize
     _require(file, size)
-    if name == "string":
+    if name in _NO_NUMBERS:
         for _ in range(count):
-            _pass_over_string(file, is_ascii)
+            _pass_over_string(file, is_ascii or name == "variant")  # which are text in binary files, too
     elif not is_ascii:
         file.seek(size, 1)
     elif len(np.fromfile(file, count=count, sep=" ")) < count:

@@ -19,7 +19,7 @@ from inertia.mesh.readers.hdf5 import check_hdf5, h5py
 from inertia.output import temporary_folder
 from inertia.units import Unit, length_unit
 
-_MESHES = "ENS_MAA"
+_MESHES, _FAMILIES = "ENS_MAA", "FAS"
 _OTHERS = (
     ("CGNSLibraryVersion", "a CGNS file"),
     ("tstt", "an H5M file of MOAB"),
@@ -74,22 +74,42 @@ def med_unit(path: Path) -> Unit | None:
 
 @contextlib.contextmanager
 def with_families(path: Path) -> Iterator[Path]:
-    """Give the file, or a copy in which cells of kinds without families are in family 0, where others have some.
+    """Give the file, or a copy with what meshio needs and a file without groups may lack.
 
-    `FAM` may be left out where it is 0 throughout; meshio takes families for all kinds or for none.
+    `FAM` may be left out where it is 0 throughout; meshio takes families for all kinds of cells or for none. It looks
+    for the families of a mesh, `FAS`, whether there are any or not.
     """
     with temporary_folder() as folder:
         with quietly("h5py", "med"):
             with h5py().File(path, "r") as file:
                 kinds = _kinds_of_cells(file[_MESHES])
                 lacking = [name for name, has in kinds.items() if not has] if any(kinds.values()) else []
-            if lacking:
+                nameless = [name for name in file[_MESHES] if f"{_FAMILIES}/{name}" not in file]
+            if lacking or nameless:
                 path = shutil.copyfile(path, folder / "part.med")
                 with h5py().File(path, "r+") as file:
                     for name in lacking:
                         kind = file[_MESHES][name]
                         kind["FAM"] = np.zeros(int(kind["NOD"].attrs["NBR"]), np.int64)
+                    for name in nameless:
+                        file.create_group(f"{_FAMILIES}/{name}")
         yield path
+
+
+def families(group: Any) -> dict[int, list[str]]:
+    """Return the names of the groups that each family is in, by its number; a name is 80 bytes, of UTF-8 or Latin-1."""
+    return {
+        int(family.attrs["NUM"]): [_name(row) for row in family["GRO/NOM"][()]] if "GRO" in family else []
+        for family in group.values()
+    }
+
+
+def _name(row: Any) -> str:
+    text = np.asarray(row).astype(np.uint8).tobytes().partition(b"\0")[0]
+    try:
+        return text.decode().strip()
+    except UnicodeDecodeError:
+        return text.decode("latin-1").strip()
 
 
 def _kinds_of_cells(meshes: Any) -> dict[str, bool]:

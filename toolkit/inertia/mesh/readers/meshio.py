@@ -26,11 +26,14 @@ from inertia.mesh.readers.cells import Block, cell_contents
 from inertia.mesh.readers.contents import UNNAMED, Contents, plural, quietly, shown, text_of, was
 from inertia.mesh.readers.decimals import rounding_of
 from inertia.mesh.readers.legacy_vtk import teach
-from inertia.mesh.readers.med import med_unit, with_families
-from inertia.mesh.readers.meshio_guards import NASTRAN_READ, cells_expected, plain_su2, without_comments
+from inertia.mesh.readers.med import families, med_unit, with_families
+from inertia.mesh.readers.medit import plain_medit
+from inertia.mesh.readers.meshio_guards import NASTRAN_READ, cells_expected, without_comments
 from inertia.mesh.readers.nastran import plain_bulk_data
+from inertia.mesh.readers.su2 import plain_su2
 from inertia.mesh.readers.ucd import plain_ucd
-from inertia.mesh.readers.xdmf import mixed_cells
+from inertia.mesh.readers.vtu import plain_vtu
+from inertia.mesh.readers.xdmf import mixed_cells, plain_xdmf
 from inertia.output import temporary_folder
 
 _TAGS = (
@@ -58,7 +61,7 @@ _POLYGON = 7  # of VTK, the one kind of any size that meshio reads from lists
 _DECIMALS = {
     "vtk": rb"\A[^\n]*\n[^\n]*\n\s*ASCII\b",
     "vtu": rb"(?is)<Points>[^>]*?<DataArray[^>]*format=.ascii.",
-    "xdmf": rb"(?is)<Geometry\b.*?<DataItem[^>]*Format=.XML.",
+    "xdmf": rb"(?is)<Geometry\b[^>]*>\s*<DataItem\b(?![^>]*\bFormat\s*=\s*.HDF\b)",
     **dict.fromkeys(("nastran", "abaqus", "medit", "netgen", "su2", "avsucd"), rb""),
 }
 """What is in the files of a format that write points as decimals."""
@@ -66,7 +69,7 @@ _DECIMALS = {
 _UNMARKED = ("vtk", "nastran", "abaqus", "medit", "netgen", "su2", "avsucd")
 """Formats of text, other than XML, before which meshio knows no byte order mark."""
 
-_PLAIN = {"abaqus": plain_input, "su2": plain_su2, "avsucd": plain_ucd}
+_PLAIN = {"abaqus": plain_input, "medit": plain_medit, "avsucd": plain_ucd}
 """What brings the text of a format into the words that meshio knows."""
 
 _NO_END = "it has no End: it was read for the tables that are there"
@@ -85,8 +88,12 @@ def read_with_meshio(path: Path, kind: str) -> Contents:
     if kind == "nastran":
         text, more = plain_bulk_data(without_comments(text_of(path)), NASTRAN_READ)
         notes += more
+    elif kind == "su2":
+        text, expected = plain_su2(text_of(path))
     elif kind in _PLAIN:
         text = _PLAIN[kind](text_of(path))
+    elif kind == "vtu":
+        text = plain_vtu(path.read_bytes())
     unit = None
     if kind == "med":
         unit = med_unit(path)
@@ -159,6 +166,8 @@ def _ends(path: Path) -> bool:
 def _mesh(path: Path, kind: str) -> Any:
     """Return meshio's mesh."""
     with quietly("meshio", kind):
+        if kind == "xdmf":  # of version 2 or 3, which differ in words alone
+            return _meshio().xdmf.main.XdmfReader(path).read_xdmf3(plain_xdmf(path))
         return _meshio().read(path, file_format=kind)
 
 
@@ -170,6 +179,7 @@ def _meshio() -> Any:
         meshio._mesh.topological_dimension.setdefault(name, 3)
     meshio.vtu._vtu.vtk_cells_from_data = meshio.vtk._vtk_51.vtk_cells_from_data = _vtk_cells
     meshio.xdmf.main.translate_mixed_cells = mixed_cells
+    meshio.med._med._read_families = families
     lists = meshio.vtk._vtk_42
     lists.cells_of_meshio, lists.translate_cells = lists.translate_cells, _vtk_lists
     teach(lists)

@@ -6,14 +6,12 @@ Each check reads the keywords of a format and returns how many cells the file li
 from __future__ import annotations
 
 import re
-from itertools import islice
 from pathlib import Path
 
-import numpy as np
-
 from inertia.errors import ReadError
-from inertia.mesh.readers.contents import numbers, shown, text_of
+from inertia.mesh.readers.contents import shown, text_of
 from inertia.mesh.readers.med import check_med
+from inertia.mesh.readers.medit import check_medit
 from inertia.mesh.readers.nastran import BEGIN, END
 from inertia.mesh.readers.xdmf import xdmf_cells
 
@@ -44,23 +42,13 @@ _NASTRAN_COMMENT = re.compile(rb"^[^$\n][^\n]{0,71}\$", re.MULTILINE)
 _NASTRAN_TRAILING = re.compile(rb"^([^$\r\n][^$\r\n]*[ \t,])\$[^\r\n]*", re.MULTILINE)
 _NASTRAN_EMPTY = re.compile(rb"^(?:[*+][^\n,]{0,7}|(?![$#,])(?=[ \t]?\S)[^\r\n]{1,2})[ \t]*\r?$", re.MULTILINE)
 
-_MEDIT_END = re.compile(rb"^[ \t]*End\b", re.MULTILINE)
-_MEDIT_TABLE = re.compile(rb"^[ \t]*([A-Z][A-Za-z]+)\s+\d", re.MULTILINE)
-
 _TEXT = ("nastran", "abaqus", "medit", "netgen", "su2", "avsucd")
-_MEDIT_CURVED = re.compile(
-    rb"^[ \t]*((?:Edges|Triangles|Quadrilaterals|Tetrahedra|Hexahedra|Prisms|Pyramids)[PQ]\d)\b", re.MULTILINE
-)
 
 _SEPARATORS = re.compile(rb"[\x0b\x0c\x1c-\x1f]")
 """Characters that Python takes for white space, and no format does."""
 
 _LOW_LINES = re.compile(rb"(?<!\S)[-+]?[\d.]+(?:_[\d.]+)+(?!\S)")
 """What Python takes for a number, and no format does."""
-
-_SU2_NEEDED = (b"NDIME", b"NPOIN", b"NELEM")
-_SU2_KEYWORD = re.compile(rb"^[ \t]*(\w+)[ \t]*=", re.MULTILINE)
-_SU2_NODES = {b"3": 2, b"5": 3, b"9": 4, b"10": 4, b"12": 8, b"13": 6, b"14": 5}
 
 
 def cells_expected(path: Path, kind: str) -> int | None:
@@ -90,9 +78,7 @@ def cells_expected(path: Path, kind: str) -> int | None:
         case "xdmf":
             return xdmf_cells(path)
         case "medit":
-            _medit(data)
-        case "su2":
-            return _su2(data)
+            check_medit(data)
         case "netgen":
             if b"endmesh" not in path.read_bytes()[-64:]:
                 raise ReadError("it does not end with endmesh: it was cut short, export it again", code="cut_short")
@@ -131,66 +117,6 @@ def _vtu(data: bytes) -> int:
     if count is None:
         raise ReadError("its piece has no NumberOfCells: export it again")
     return int(count[1])
-
-
-def _medit(data: bytes) -> None:
-    end = _MEDIT_END.search(data)
-    if end is not None and data[end.end() :].strip():
-        raise ReadError("text follows its End: it was cut short or damaged, export it again", code="cut_short")
-    if end is None and not data.endswith(b"\n"):
-        raise ReadError("it has no End, and its last line no end: it was cut short, export it again", code="cut_short")
-    curved = _MEDIT_CURVED.search(data)
-    if curved is not None:
-        raise ReadError(f"its table {shown(curved[1])} is not read: use cells of first order", code="not_read")
-    tables = _MEDIT_TABLE.findall(data)
-    if len(set(tables)) < len(tables):
-        raise ReadError("it has a table twice: export it again")
-
-
-def _su2(data: bytes) -> int:
-    """Check that every line stands in the table that it belongs to, as many words long as the others there."""
-    lines = iter(data.splitlines())
-    cells = 0
-    seen: set[bytes] = set()
-    for line in lines:
-        keyword, equals, value = (part.strip() for part in line.partition(b"="))
-        if not keyword or keyword.startswith(b"%"):
-            continue
-        if not equals:
-            raise ReadError(f"its line {shown(line.strip())} stands outside its tables: its counts are wrong")
-        if keyword in seen or (keyword == b"NZONE" and value.split()[:1] != [b"1"]):
-            raise ReadError(
-                f"its {keyword.decode()} says that it has several zones, of which one is read: write each into a file",
-                code="not_read",
-            )
-        seen |= {keyword} & set(_SU2_NEEDED)
-        if keyword not in (b"NPOIN", b"NELEM", b"MARKER_ELEMS"):
-            continue
-        stated = re.match(rb"\d{1,18}(?!\S)", value)
-        if stated is None:
-            raise ReadError(f"its {keyword.decode()} is {shown(value)}, not a count: export it again")
-        count = int(stated[0])
-        rows = [row.split() for row in islice(lines, count)]
-        if keyword == b"NPOIN":
-            surplus = {len(row) for row in rows}
-            numbers(b" ".join(word for row in rows for word in row), np.float64, "its points")
-        else:
-            numbers(b" ".join(word for row in rows for word in row), np.int64, "its elements")
-            surplus = {len(row) - _SU2_NODES.get(row[0] if row else b"", -1) for row in rows}
-            cells += count
-        if len(surplus) > 1 or len(rows) < count:
-            raise ReadError(
-                f"the rows of its {keyword.decode()} are not alike, or too few: it was cut short or damaged",
-                code="cut_short",
-            )
-    if missing := [each.decode() for each in _SU2_NEEDED if each not in seen]:
-        raise ReadError(f"it has no {missing[0]}: it was cut short, export it again", code="cut_short")
-    return cells
-
-
-def plain_su2(data: bytes) -> bytes:
-    """Return an SU2 file without blanks about its keywords, in which meshio would not know them."""
-    return _SU2_KEYWORD.sub(rb"\1=", data)
 
 
 def without_comments(data: bytes) -> bytes:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from inertia.errors import ReadError
-from inertia.mesh.readers.contents import Contents, numbers, shown, split_polygons, text_of
+from inertia.mesh.readers.contents import Contents, numbers, plural, shown, split_polygons, text_of
 from inertia.mesh.readers.decimals import rounding_of
 
 _HEADER = re.compile(rb"\s*(?:#[^\n]*\n\s*)*((?:ST)?C?N?)(4?n?)OFF(?![A-Za-z])\s*(BINARY)?")
@@ -36,8 +36,9 @@ def read_off(path: Path) -> Contents:
     points, polygons = int(counts[0]), int(counts[1])
     if len(lines) - 1 != points + polygons:
         raise ReadError(
-            f"its header says {points} vertices and {polygons} faces, but {len(lines) - 1} lines follow: "
-            "it was cut short or its counts are wrong, export it again",
+            f"its header says {points} vertices and {polygons} faces, but {plural(len(lines) - 1, 'line')} "
+            f"{'follows' if len(lines) == 2 else 'follow'}, and each needs its own: it was cut short, or its counts "
+            "are wrong, export it again",
             code="cut_short",
         )
     rows = [line.split() for line in lines[1 : points + 1]]

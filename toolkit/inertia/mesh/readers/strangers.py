@@ -31,6 +31,7 @@ _KINDS = (
     (rb"\s*0\r?\n\s*SECTION\r?\n", "a DXF drawing", _EXPORT),
     (rb"Kaydara FBX Binary|; FBX ", "an FBX file", _EXPORT),
     (rb"BLENDER", "a Blender file", _EXPORT),
+    (rb"\s*\((?:[01] +\"|2 +[23]\))", "a mesh of Fluent", "export the mesh as Gmsh, VTU or MED"),
     (rb"#VRML", "a VRML file", _EXPORT),
     (_PROLOG + rb"<X3D\b", "an X3D file", _EXPORT),
     (_PROLOG + rb"<amf\b", "an AMF file", _EXPORT),

@@ -73,9 +73,16 @@ def _check(points: list[list[bytes]], elements: list[list[bytes]]) -> None:
 
 
 def _pass_over_data(rows: Iterator[list[bytes]], counts: list[int]) -> None:
-    """Pass over tables of data: a row of sizes, behind their number, a label of each, and as many rows as counted."""
+    """Pass over tables of data: a row of sizes, behind their number, a label of each, and numbers in any lines.
+
+    They are a number of the node or cell, and as many values as the sizes add up to, for each that is counted.
+    """
     for count in counts:
         sizes = next(rows, [b""])
-        most = int(sizes[0]) + count if sizes[0].isdigit() and len(sizes[0]) < 10 else -1
-        if most < 0 or sum(1 for _ in islice(rows, most)) < most:
+        known = all(size.isdigit() and len(size) < 10 for size in sizes) and len(sizes) == int(sizes[0]) + 1
+        left = count * (1 + sum(map(int, sizes[1:]))) if known else -1
+        if known and sum(1 for _ in islice(rows, len(sizes) - 1)) == len(sizes) - 1:
+            while left > 0 and (row := next(rows, [])):
+                left -= len(row)
+        if left:
             raise ReadError("its data are not as many as its header counts: it was cut short, or its counts are wrong")

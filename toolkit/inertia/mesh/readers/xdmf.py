@@ -25,7 +25,46 @@ _MIXED = {
 }  # fmt: skip
 """Numbers of the kinds that may stand in a list of mixed cells: meshio's name, and nodes."""
 
+_ASIDE = ("Time", "Information")
+
 _COUNTED = (1, 2)  # whose number of nodes stands before them
+
+
+def plain_xdmf(path: Path) -> Element:
+    """Return the root of a file with its one grid alone, and the defaults of the format written out for meshio.
+
+    A collection of one grid is that grid; times, remarks and attributes of other places say nothing of a body.
+    """
+    root = parse_xml(path.read_bytes())
+    version = root.get("Version", "2")
+    if version.partition(".")[0] not in ("2", "3"):
+        raise ReadError(f"it is of the version {shown(version)}, but 2 and 3 are read: write it so", code="not_read")
+    grids = [grid for grid in root.iter("Grid") if grid.find("Grid") is None]
+    kinds = {grid.get("GridType", "Uniform") for grid in grids}
+    if len(grids) > 1 or kinds - {"Uniform"}:
+        raise ReadError(
+            f"it has {plural(len(grids), 'grid')} ({', '.join(sorted(kinds))}), but one, uniform, is read: write it so",
+            code="not_read",
+        )
+    if root.find(".//include") is not None:
+        raise ReadError("it includes parts of other files, which are not read: write them out", code="not_read")
+    root[:] = root.findall("Domain")
+    for domain in root:
+        domain[:] = grids
+    for grid in grids:
+        grid[:] = [part for part in grid if part.tag not in _ASIDE and part.get("Center", "Node") in ("Node", "Cell")]
+        for part in grid:
+            if part.tag == "Attribute":
+                part.attrib.setdefault("Center", "Node")
+            elif part.tag == "Geometry" and "Type" not in part.attrib:
+                part.attrib.setdefault("GeometryType", "XYZ")
+    for item in root.iter("DataItem"):
+        form = item.get("Format", "XML")
+        item.set("Format", form.upper() if form.upper() in ("XML", "HDF") else form)
+    for item in root.findall(".//Topology/DataItem"):
+        if "NumberType" not in item.attrib and "DataType" not in item.attrib:
+            item.attrib.update(NumberType="Int", Precision="8")
+    return root
 
 
 def xdmf_cells(path: Path) -> int | None:
@@ -34,16 +73,7 @@ def xdmf_cells(path: Path) -> int | None:
     Refuses raw binary files, which meshio would read from anywhere, and HDF5 files outside the folder.
     """
     h5py()  # which meshio loads whatever the file
-    root = parse_xml(path.read_bytes())
-    grids = list(root.iter("Grid"))
-    kinds = {grid.get("GridType", "Uniform") for grid in grids}
-    if len(grids) > 1 or kinds - {"Uniform"}:
-        raise ReadError(
-            f"it has {plural(len(grids), 'grid')} ({', '.join(sorted(kinds))}), but one, uniform, is read: write it so",
-            code="not_read",
-        )
-    if any(not (item.text or "").strip() for grid in grids for item in grid.findall("Information")):
-        raise ReadError("its grid has an Information without text, which is not read: leave that out", code="not_read")
+    root = plain_xdmf(path)
     _check_items(root, path.resolve().parent)
     return _count(root)
 
