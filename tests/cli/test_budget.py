@@ -150,7 +150,8 @@ def _changed(tmp_path: Path, limit: float = 4, more: str = "", u: float = 0.02) 
         ({"limit": 2.5}, 5, ["New limit         mass ≤ 2.5 kg: 3.000 ± 0.044 (95 %) kg, margin -0.5: FAIL", "No part"]),
         ({"u": 2}, 4, ["3.000 ± 0.044 (95 %) → 3.0 ± 3.9 (95 %) kg (+0)", "a/b   changed", "u 0.02 → 2 kg"]),
         ({"more": "maturity = 'actual'"}, 0, ["a     changed", "maturity none → actual"]),
-        ({"more": "position_uncertainty = 3"}, 0, ["a     changed", "its uncertainty"]),
+        ({"more": "position_uncertainty = 3"}, 0, ["a     changed", "u of position 0 → 3 mm"]),
+        ({"more": "angle_uncertainty = 3"}, 0, ["a     changed", "u of angle 0 → 3°"]),
     ],
 )
 def test_what_flips_a_verdict_is_told_where_no_figure_changed(
@@ -164,6 +165,79 @@ def test_what_flips_a_verdict_is_told_where_no_figure_changed(
     document = json.loads(capsys.readouterr().out)
     assert [limit["limit"][1] for limit in document["limits"][0]] == [4, new.get("limit", 4)]
     assert document["sigma"][1]["mass"] == pytest.approx(math.hypot(0.01, new.get("u", 0.02)))
+
+
+def test_an_uncertainty_that_leaves_the_mass_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    files = [str(tmp_path / f"{k}.toml") for k in (1, 2)]
+    for k, file in enumerate(files):
+        part = "[[part]]\nname = 'a'\nmass = 1\ninertia = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\ncenter_of_mass = [0, 0, 0]"
+        Path(file).write_text(f"{part}\ncenter_of_mass_uncertainty = {k}\n", encoding="utf-8")
+    assert main(["budget", "--diff", *files]) == 0
+    assert capsys.readouterr().out.endswith("  its uncertainty\n")
+
+
+@pytest.mark.parametrize(
+    ("more", "limit", "code", "says", "pair"),
+    [
+        ("position_uncertainty = 5", 'what = "center_of_mass.x"\nmax = 1.5', 4, "0.1 → 5 mm", [1e-4, 5e-3]),
+        ("angle_uncertainty = 90", 'what = "center_of_mass.x"\nmax = 1.5', 4, "0 → 90°", [0, math.pi / 2]),
+    ],
+)
+def test_a_group_that_is_surer_of_its_place_is_a_part_that_changed(
+    more: str, limit: str, code: int, says: str, pair: list[float], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its own line alone: the part below it is as it was, also where that changes by itself."""
+    name = more.partition(" ")[0]
+    group = '[[part]]\nname = "g"\nquantity = 2\n{}\n' + _PART.format(
+        name="x", mass="1±0.01", more='parent = "g"\nat = [1, 2, {}]'
+    )
+    before = {"position_uncertainty": "position_uncertainty = 0.1"}.get(name, "")
+    for file, (own, z) in {"old": (before, 3), "new": (more, 3), "moved": (more, 4)}.items():
+        (tmp_path / f"{file}.toml").write_text(f"{group.format(own, z)}[[limit]]\n{limit}\n", encoding="utf-8")
+    files = [str(tmp_path / f"{file}.toml") for file in ("old", "new", "moved")]
+    assert main(["budget", "--diff", *files[:2]]) == code
+    (row,) = [line for line in capsys.readouterr().out.splitlines() if "changed" in line]
+    assert row.split()[:4] == ["g", "changed", "2", "0"]
+    assert says in row
+    assert main(["budget", "--diff", *files[:2], "--json"]) == code
+    (change,) = json.loads(capsys.readouterr().out)["changes"]
+    assert change["part"] == "g"
+    assert change[name] == pytest.approx(pair)
+    assert main(["budget", "--diff", *files[1:], "--json"]) == code
+    assert [change["part"] for change in json.loads(capsys.readouterr().out)["changes"]] == ["g/x"]
+
+
+def test_what_parts_have_in_common_is_told_where_none_changed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = 'densities = {{alloy = "1000±100"}}\n' + "".join(
+        f'[[part]]\nname = "{name}"\nshape = "box"\nsize = [100, 100, 100]\nat = [{x}, 0, 0]\n{{0}}\n'
+        for name, x in (("a", 0), ("b", 200))
+    )
+    common, alone = tmp_path / "common.toml", tmp_path / "alone.toml"
+    common.write_text(text.format('material = "alloy"'), encoding="utf-8")
+    alone.write_text(text.format('density = "1000±100"'), encoding="utf-8")
+    for files in ((common, alone), (alone, common)):
+        assert main(["budget", "--diff", *map(str, files)]) == 0
+        assert "No part changed by itself, but the uncertainty of the whole did: " in capsys.readouterr().out
+    turned = 'part = [{{name = "g", angle_uncertainty = 1, at = [{}, 0, 0]}}, {{name = "x", parent = "g", mass = 1, '
+    turned += 'shape = "point", at = [{}, 0, 0]}}]'
+    for file, x in {"near": 0, "far": 50}.items():
+        (tmp_path / f"{file}.toml").write_text(turned.format(x, 100 - x), encoding="utf-8")
+    assert main(["budget", "--diff", *(str(tmp_path / f"{file}.toml") for file in ("near", "far"))]) == 0
+    assert "groups turn about other places" in capsys.readouterr().out
+    assert main(["budget", "--diff", str(common), str(common)]) == 0
+    assert capsys.readouterr().out.endswith("No part changed.\n")
+
+
+def test_limits_are_compared_with_those_that_they_equal(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name, most in {"old": (1.5, 2.5, 7), "new": (2.5, 9, 1.5, 8)}.items():
+        limits = "".join(f'[[limit]]\nwhat = "mass"\nmax = {k}\n' for k in most)
+        (tmp_path / f"{name}.toml").write_text(_PART.format(name="a", mass=1, more="") + limits, encoding="utf-8")
+    assert main(["budget", "--diff", str(tmp_path / "old.toml"), str(tmp_path / "new.toml"), "--json"]) == 0
+    pairs = json.loads(capsys.readouterr().out)["limits"]
+    of = [tuple(limit and limit["limit"][1] for limit in pair) for pair in pairs]
+    assert of == [(1.5, 1.5), (2.5, 2.5), (7, 9), (None, 8)]
 
 
 def test_a_limit_of_one_file_alone_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -83,6 +83,9 @@ def test_a_recording_of_what_came_in(tmp_path: Path) -> None:
         (("trade", "-"), b"start = ", 3, "cannot read -: it is not TOML"),
         (("simulate", "-"), b"x", 3, "cannot read -: it is not TOML"),
         (("play", "-"), b"x", 3, "it is no Rerun recording"),
+        (("budget", "-"), b"# bill\n\nname,mass\nx,1\n", 3, "its first line names no column `name`"),
+        (("assembly", "-"), b"  # bill\r\nName;Mass\r\nx;1\r\n", 3, "its first line names no column `name`"),
+        (("assembly", "-"), b'name = "a, name"\n', 2, "part is missing"),
     ],
 )
 def test_what_cannot_be_read(arguments: tuple[str, ...], data: bytes, code: int, says: str) -> None:

@@ -16,9 +16,13 @@ _DECIMAL_COMMA = re.compile(r"\d,\d")
 
 
 def is_bill(text: str) -> bool:
-    """Say whether a text without a name is such a table, and no TOML: its first line names the column `name`."""
-    first = text.lstrip().partition("\n")[0]
-    return "name" in (cell.strip(' "\r').lower() for cell in re.split("[,;\t]", first))
+    """Say whether a text without a name is such a table, and no TOML: its first line names the column `name`.
+
+    Comments may stand before it: a table has none, and is to be refused as one.
+    """
+    lines = (line for line in map(str.strip, text.split("\n")) if line and not line.startswith("#"))
+    first = next(lines, "")
+    return "=" not in first and "name" in (cell.strip(' "\r').lower() for cell in re.split("[,;\t]", first))
 
 
 def parts_of(text: str) -> list[dict[str, Any]]:

@@ -215,6 +215,7 @@ class _Lines:
             tensor,
             sigma,
             own_sigma,
+            _misplacement(node),
             tuple(children),
         )
         return line, moments, changes
@@ -242,23 +243,22 @@ class _Lines:
         self, node: Node, frames: Sequence[Frame], moments: Float, changes: dict[str, Float]
     ) -> dict[str, Float]:
         """Add the changes for each copy being misplaced to those of its inputs, and return them."""
-        for label, change in self._misplaced(node, frames, moments) if node.fields is not None else ():
+        for label, change in self._misplaced(node, frames, moments):
             _add(changes, label, _grown(change, 0.0))
         return changes
 
     def _misplaced(self, node: Node, frames: Sequence[Frame], moments: Float) -> Iterator[tuple[str, Float]]:
         """Yield the changes for each copy by itself being moved, and turned about its origin."""
-        fields = node.fields
-        assert fields is not None
+        place, angle = _misplacement(node)
         mass, first, second = moments[:, 0], moments[:, 1:4], square(moments[:, 4:])
-        if u := float(node.unit.metres) * (fields.position_uncertainty or 0.0):
+        if place:
             change = np.zeros((len(frames), 3, 10))
             for k, e in enumerate(np.eye(3)):
                 change[:, k, 1:4] = mass[:, np.newaxis] * e
                 along = np.einsum("i,nj->nij", e, first)
                 change[:, k, 4:] = six_of(along + along.swapaxes(1, 2))
-            yield f"position of {node.label}", u * change.reshape(-1, 10)
-        if u := math.radians(fields.angle_uncertainty or 0.0):
+            yield f"position of {node.label}", place * change.reshape(-1, 10)
+        if angle:
             origins = np.array([[k / (1 << LENGTH_BITS) for k in frame.origin] for frame in frames])
             away = first - mass[:, np.newaxis] * (origins - self._places.center)  # ∫x seen from the origin
             outer = second - np.einsum("ni,nj->nij", origins - self._places.center, first)  # ∫(x − o) xᵀ
@@ -268,7 +268,15 @@ class _Lines:
                 change[:, k, 1:4] = away @ cross.T
                 turned = np.einsum("ij,njk->nik", cross, outer)
                 change[:, k, 4:] = six_of(turned + turned.swapaxes(1, 2))
-            yield f"angle of {node.label}", u * change.reshape(-1, 10)
+            yield f"angle of {node.label}", angle * change.reshape(-1, 10)
+
+
+def _misplacement(node: Node) -> tuple[float, float]:
+    """Return the standard uncertainties of the place, m, and of the turns, rad, that a part states."""
+    if node.fields is None:
+        return 0.0, 0.0
+    place, angle = node.fields.position_uncertainty or 0.0, node.fields.angle_uncertainty or 0.0
+    return float(node.unit.metres) * place, math.radians(angle)
 
 
 def _add(changes: dict[str, Float], label: str, change: Float) -> None:

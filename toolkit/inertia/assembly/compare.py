@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import Literal, TypeVar
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
@@ -18,14 +19,13 @@ _SAME = 1e-12  # of the whole: less is rounding
 SPREAD = 1e-9
 """Of an uncertainty: less is rounding."""
 
-Named = TypeVar("Named")
-
 
 @dataclass(frozen=True, eq=False)
 class Own:
     """What a line has beside the lines below it, all copies together; SI, about the origin of the whole.
 
-    `spread` (11,) are its standard uncertainties, as of `Sigma.all`.
+    `spread` (11,) are its standard uncertainties, as of `Sigma.all`, `misplacement` those of its place, m, and of its
+    turns, rad. A group, which has lines below it alone, has no mass, maturity or category of its own.
     """
 
     quantity: int
@@ -34,6 +34,7 @@ class Own:
     first: Float
     tensor: Float
     spread: Float
+    misplacement: tuple[float, float] = (0.0, 0.0)
     maturity: str | None = None
     category: str | None = None
 
@@ -73,13 +74,23 @@ class Change:
 class Comparison:
     """Two budgets, the parts that differ, those that change the mass most first, and the limits of both.
 
-    Limits are the same that are on the same; None stands for one that is not there.
+    Limits are the same that are on the same, equal ones first; None stands for one that is not there.
     """
 
     old: Budget
     new: Budget
     changes: tuple[Change, ...]
     limits: tuple[tuple[Limit | None, Limit | None], ...]
+
+    @property
+    def is_as_sure(self) -> bool:
+        """Whether the figures of both wholes have the same standard uncertainties, and vary together as much."""
+        a, b = (each.total.sigma for each in (self.old, self.new))
+        whole = _all(self.old.total)
+        u = np.maximum(a.all, b.all)
+        off = _least(whole.mass, float(np.abs(whole.tensor).max())) + SPREAD * u
+        nothing = np.outer(u + off, u + off) - np.outer(u, u)
+        return bool((np.abs(a.changes.T @ a.changes - b.changes.T @ b.changes) <= nothing).all())
 
 
 def compare(old: Budget, new: Budget) -> Comparison:
@@ -98,6 +109,8 @@ def compare(old: Budget, new: Budget) -> Comparison:
     changes = []
     for name in dict.fromkeys((*before, *after)):
         a, b = before.get(name), after.get(name)
+        if (a is None and b is not None and not b.mass) or (b is None and a is not None and not a.mass):
+            continue  # a group: the parts in it tell
         if a is not None and b is not None and _same(a, b, whole.mass, size):
             continue
         kind: Literal["added", "removed", "changed"] = "added" if a is None else "removed" if b is None else "changed"
@@ -105,18 +118,30 @@ def compare(old: Budget, new: Budget) -> Comparison:
         center, tensor = _central(_summed([*rest, *([b] if b else [])]))
         was, stood = _central(whole)
         changes.append(Change(name, kind, a, b, center - was, tensor - stood))
-    limits = [_named((limit.what, limit) for limit in budget.limits) for budget in (old, new)]
     return Comparison(
         old,
         new,
         tuple(sorted(changes, key=lambda each: (-abs(each.mass), each.name))),
-        tuple((limits[0].get(what), limits[1].get(what)) for what in {**limits[0], **limits[1]}),
+        tuple(_paired(old.limits, new.limits)),
     )
 
 
-def _named(lines: Iterable[tuple[str, Named]]) -> dict[str, Named]:
+def _paired(old: Sequence[Limit], new: Sequence[Limit]) -> Iterator[tuple[Limit | None, Limit | None]]:
+    rest, pairs = list(new), {}
+    for equal in (True, False):
+        for k, limit in enumerate(old):
+            bounds = limit.low, limit.high
+            same = (one for one in rest if one.what == limit.what and (not equal or (one.low, one.high) == bounds))
+            if k not in pairs and (one := next(same, None)):
+                pairs[k] = one
+                rest.remove(one)
+    yield from ((limit, pairs.get(k)) for k, limit in enumerate(old))
+    yield from ((None, limit) for limit in rest)
+
+
+def _named(lines: Iterable[tuple[str, Own]]) -> dict[str, Own]:
     """Return lines by name, those of a name that is there already numbered, as beside a nested file's own parts."""
-    result: dict[str, Named] = {}
+    result: dict[str, Own] = {}
     for name, own in lines:
         key, number = name, 1
         while key in result:
@@ -137,11 +162,13 @@ def _own(line: Line, above: str = "") -> Iterator[tuple[str, Own]]:
         whole.first - below.first,
         whole.tensor - below.tensor,
         line.own_sigma.all,
+        line.misplacement,
         line.maturity,
         line.category,
     )
-    if abs(own.mass) > _SAME * whole.mass:
-        yield name, own
+    if abs(own.mass) <= _SAME * whole.mass:
+        own = replace(_summed([]), quantity=line.quantity, misplacement=line.misplacement)
+    yield name, own
     for child in line.children:
         yield from _own(child, f"{name}/" if name else "")
 
@@ -172,8 +199,11 @@ def _central(whole: Own) -> tuple[Float, Float]:
 
 
 def _same(a: Own, b: Own, mass: float, size: float) -> bool:
-    length = (size / mass) ** 0.5 if mass else 0.0
-    least = _SAME * np.array([mass, *3 * [length], *6 * [size], mass])
+    if not np.allclose(a.misplacement, b.misplacement, rtol=SPREAD, atol=0.0):
+        return False
+    if not a.mass and not b.mass:  # a group: of its quantity the parts in it tell
+        return True
+    least = _least(mass, size)
     return (
         (a.quantity, a.maturity, a.category) == (b.quantity, b.maturity, b.category)
         and abs(a.mass - b.mass) <= _SAME * mass
@@ -182,3 +212,10 @@ def _same(a: Own, b: Own, mass: float, size: float) -> bool:
         and float(np.abs(a.first - b.first).max()) <= _SAME * (mass * size) ** 0.5
         and bool((np.abs(a.spread - b.spread) <= least + SPREAD * np.maximum(a.spread, b.spread)).all())
     )
+
+
+def _least(mass: float, size: float) -> Float:
+    """Return what is rounding in the eleven figures of `Sigma.all`, (11,)."""
+    length = (size / mass) ** 0.5 if mass else 0.0
+    least: Float = _SAME * np.array([mass, *3 * [length], *6 * [size], mass])
+    return least

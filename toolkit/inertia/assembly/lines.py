@@ -82,6 +82,7 @@ class Line:
     inertia : (3, 3) kg m² about it
     sigma : standard uncertainties
     own_sigma : those of what it has beside the lines below it, by itself
+    misplacement : standard uncertainties of the place of each copy, m, and of its turns, rad, with all below it
     children : the lines below it
     """
 
@@ -96,6 +97,7 @@ class Line:
     inertia: Float
     sigma: Sigma
     own_sigma: Sigma
+    misplacement: tuple[float, float]
     children: tuple[Line, ...]
 
     @property

@@ -80,9 +80,9 @@ def read_obj(path: Path) -> Contents:
         whole, owner, notes = split_polygons(vertices, counts, corners)
         contents = Contents(whole, regions=_regions(regions, len(polygons), owner), notes=notes)
     else:
-        counts, corners = _corners(lines, np.array(before_lines, np.int64), len(points), "line")
+        counts, corners = _corners(lines, np.array(before_lines, np.int64), len(points), "line element")
         if (counts < 2).any():
-            raise ReadError(f"line {np.argmax(counts < 2)} has fewer than two vertices: export it again")
+            raise ReadError(f"line element {np.argmax(counts < 2)} has fewer than two vertices: export it again")
         start = np.delete(np.arange(len(corners)), np.cumsum(counts) - 1)
         contents = cell_contents(vertices, [("line", corners[start[:, None] + [0, 1]], None)])
         owner = np.repeat(np.arange(len(lines)), counts - 1)
@@ -125,7 +125,7 @@ def _points(lines: list[bytes]) -> Float:
 
 
 def _corners(lines: list[bytes], before: Int, points: int, what: str = "face") -> tuple[Int, Int]:
-    """Return how many corners each face (or line) has, and the vertex of each corner, from zero, of so many points."""
+    """Return how many corners each face or line has, and the vertex of each corner, from zero, of so many points."""
     counts = np.array([len(line.split()) for line in lines], np.int64)
     text = b"\n".join(lines)
     if b"/" in text:

@@ -13,6 +13,11 @@ from inertia.report.budget.document import COLUMNS, limit_document, spread_docum
 from inertia.report.budget.text import figure, limit_words
 from inertia.report.numerals import columns, row
 
+_UNSURE = (
+    "No part changed by itself, but the uncertainty of the whole did: parts have other inputs in common than before, "
+    "or groups turn about other places."
+)
+
 
 def comparison_document(comparison: Comparison) -> dict[str, Any]:
     """Return the comparison as ``inertia/budget-diff/1``; numbers are SI."""
@@ -39,6 +44,8 @@ def comparison_document(comparison: Comparison) -> dict[str, Any]:
                     None if own is None else dict(zip(COLUMNS, own.spread.tolist(), strict=True))
                     for own in (each.old, each.new)
                 ],
+                "position_uncertainty": [own and own.misplacement[0] for own in (each.old, each.new)],
+                "angle_uncertainty": [own and own.misplacement[1] for own in (each.old, each.new)],
                 "maturity": _pair(each, "maturity"),
                 "category": _pair(each, "category"),
                 "effect": {
@@ -84,11 +91,15 @@ def _lines(comparison: Comparison) -> Iterator[str]:
     if comparison.limits:
         yield ""
     if not comparison.changes:
-        yield "No part changed."
+        yield "No part changed." if comparison.is_as_sure else _UNSURE
         return
     heads = ("part", "", "qty", "kg", "+kg", f"x +{unit}", "y", "z", "+Ixx kg m²", "+Iyy", "+Izz", "")
     nothing = 1e-12 * float(np.abs(old.properties.inertia).max())
-    rows = [heads, *((*_row(each, metres, nothing), ", ".join(_beside(each))) for each in comparison.changes)]
+    beside = (", ".join(_beside(each, metres, unit)) for each in comparison.changes)
+    rows = [
+        heads,
+        *((*_row(each, metres, nothing), more) for each, more in zip(comparison.changes, beside, strict=True)),
+    ]
     widths = [max(len(each[k]) for each in rows) for k in range(len(heads))]
     for each in rows:
         cells = (f"{cell:{'>' if 1 < k < len(heads) - 1 else '<'}{widths[k]}}" for k, cell in enumerate(each))
@@ -108,16 +119,23 @@ def _row(change: Change, metres: float, nothing: float) -> tuple[str, ...]:
     )
 
 
-def _beside(change: Change) -> Iterator[str]:
+def _beside(change: Change, metres: float, unit: str) -> Iterator[str]:
     """Yield what else changed of a part that is in both."""
     old, new = change.old, change.new
     if old is None or new is None:
         return
     a, b = old.spread, new.spread
+    kinds = ("position", metres, f" {unit}"), ("angle", math.radians(1.0), "°")
+    misplaced = [
+        f"u of {what} {was / one:.3g} → {now / one:.3g}{sign}"
+        for (what, one, sign), was, now in zip(kinds, old.misplacement, new.misplacement, strict=True)
+        if not math.isclose(was, now, rel_tol=SPREAD)
+    ]
     if not math.isclose(a[0], b[0], rel_tol=SPREAD):
         yield f"u {a[0]:.2g} → {b[0]:.2g} kg"
-    elif not np.allclose(a, b, rtol=SPREAD, atol=0.0):
+    elif not misplaced and not np.allclose(a, b, rtol=SPREAD, atol=0.0):
         yield "its uncertainty"
+    yield from misplaced
     for name in ("maturity", "category"):
         words = [getattr(own, name) or "none" for own in (old, new)]
         if words[0] != words[1]:
