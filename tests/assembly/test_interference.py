@@ -10,7 +10,6 @@ import pytest
 
 import inertia
 from inertia.assembly.document import Assembly
-from inertia.assembly.sheets import thickened
 from inertia.errors import GeometryError
 from inertia_cli.main import main
 from inertia_meshes import path
@@ -103,6 +102,9 @@ WALLS = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [
 SQUARE = np.array([[0, 0, 3], [30, 0, 3], [30, 40, 3], [0, 40, 3]])
 
 
+TEE = np.vstack([SQUARE, [[15, 0, 3], [15, 40, 3], [15, 40, 23], [15, 0, 23], [15, 0, -7], [15, 40, -7]]])
+
+
 def sheet(file: str, **fields: Any) -> dict[str, Any]:
     return {"name": "sheet", "file": file, "shell": 1.0, "density": 2700.0, **fields}
 
@@ -110,7 +112,7 @@ def sheet(file: str, **fields: Any) -> dict[str, Any]:
 @pytest.mark.parametrize("walls", [WALLS, WALLS[:5], [WALLS[0][::-1], *WALLS[1:]]], ids=["closed", "tray", "wound"])
 @pytest.mark.parametrize(
     ("at", "side", "share"),
-    [((0, 0, 0), 4, 0), ((9, 0, 0), 4, 16), ((9, 9, 0), 4, 24), ((0, 0, -8), 3, 0), ((0, 0, 0), 20, 20**3 - 19**3)],
+    [((0, 0, 0), 4, 0), ((9, 0, 0), 4, 16), ((9, 9, 0), 4, 23), ((0, 0, -8), 3, 0), ((0, 0, 0), 20, 20**3 - 19**3)],
 )
 def test_a_housing_of_sheet_holds_what_is_in_it(
     walls: list[list[int]], at: tuple[float, ...], side: float, share: float, tmp_path: Path
@@ -138,14 +140,72 @@ def test_sheets_that_are_welded_in_an_edge_are_looked_at(tmp_path: Path) -> None
     assert pair.volume == pytest.approx(100e-9)
 
 
-def test_a_bent_sheet_has_the_volume_between_its_sides() -> None:
-    mesh = inertia.read(path("sphere.stl"), unit="mm").triangles.corners()
-    radius = float(np.linalg.norm(mesh, axis=2).max())
-    solid = thickened(mesh, radius / 10)
-    assert solid is not None
-    volume = float(np.linalg.det(solid).sum()) / 6
-    assert volume == pytest.approx(4 / 3 * math.pi * radius**3 * (1.05**3 - 0.95**3), rel=0.01)
-    assert thickened(mesh, 4 * radius) is None
+def test_a_one_sided_sheet_is_looked_at(tmp_path: Path) -> None:
+    angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+    arms = np.stack([np.cos(angles / 2) * np.cos(angles), np.cos(angles / 2) * np.sin(angles), np.sin(angles / 2)], 1)
+    middle = 30 * np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
+    strip = np.vstack([middle - 5 * arms, middle + 5 * arms])
+    faces = [[k, k + 1, k + 13, k + 12] for k in range(11)] + [[11, 12, 0, 23]]  # half a turn
+    file = obj(tmp_path, "moebius.obj", strip, faces)
+    (pair,) = assembly(sheet(file), box("pin", 30, 0, 0, size=[0.1, 0.1, 0.1])).interferences()
+    assert pair.volume == pytest.approx(1e-12)
+
+
+@pytest.mark.parametrize("turn", [[1, 0, 0, 0], [0.8, 0.36, -0.48, 0], [0.1, -0.7, 0.1, 0.7]])
+@pytest.mark.parametrize(
+    ("points", "faces", "share"),
+    [
+        (TEE, [[0, 4, 5, 3], [4, 1, 2, 5], [4, 5, 6, 7]], (30 + 20 - 0.5) * 40),
+        (TEE, [[0, 1, 2, 3], [4, 5, 6, 7]], (30 + 20 - 0.5) * 40),
+        (TEE - [0, 0, 3], [[0, 4, 5, 3], [4, 1, 2, 5], [8, 9, 6, 7]], (30 + 30 - 1) * 40),
+        (SQUARE, [[0, 1, 2, 3], [3, 2, 1, 0]], 1200),
+        (SQUARE, [[0, 1, 2, 3], [1, 2, 3, 0]], 1200),
+        (np.vstack([SQUARE, np.add(SQUARE, [0, 0, 0.5])]), [[0, 1, 2, 3], [4, 5, 6, 7]], 1800),
+        (np.vstack([SQUARE, SQUARE[:1]]), [[0, 1, 2, 3], [0, 4, 1]], 1200),
+    ],
+    ids=["tee", "tee in a wall", "cross", "back", "copy", "lap", "no area"],
+)
+def test_walls_of_a_sheet_that_overlap_count_once(
+    points: np.ndarray, faces: list[list[int]], share: float, turn: list[float], tmp_path: Path
+) -> None:
+    around = box("around", 0, 0, 0, size=[200] * 3)
+    (pair,) = assembly(sheet(obj(tmp_path, "a.obj", points, faces), quaternion=turn), around).interferences()
+    assert pair.volume == pytest.approx(share * 1e-9, rel=1e-8)
+
+
+@pytest.mark.parametrize("degrees", [90, 150, 168, 170, 179])
+def test_a_fold_neither_tapers_nor_grows(degrees: float, tmp_path: Path) -> None:
+    x, z = 30 * (1 - math.cos(math.radians(180 - degrees))), 30 * math.sin(math.radians(degrees))
+    fold = np.array([[0, 0, 0], [30, 0, 0], [30, 40, 0], [0, 40, 0], [x, 40, z], [x, 0, z]])
+    file = obj(tmp_path, "fold.obj", fold, [[0, 1, 2, 3], [1, 5, 4, 2]])
+    (pair,) = assembly(sheet(file), box("below", 15, 20, -5.1, size=[20, 20, 10])).interferences()
+    assert pair.volume == pytest.approx(20 * 20 * 0.4e-9)
+    if degrees > 90:
+        assert assembly(sheet(file), box("beyond", 40.6, 20, -5, size=[20, 20, 10])).interferences() == ()
+
+
+def test_a_sheet_thicker_than_what_it_encloses_fills_it(tmp_path: Path) -> None:
+    tube = inertia.read(path("sphere.stl"), unit="mm").triangles.corners()
+    ball = sheet(obj(tmp_path, "ball.obj", tube.reshape(-1, 3), np.arange(3 * len(tube)).reshape(-1, 3).tolist()))
+    radius = float(np.linalg.norm(tube, axis=2).max())
+    pin = box("pin", 0, 0, 0, size=[radius / 10] * 3)
+    (pair,) = assembly({**ball, "shell": 3 * radius}, pin).interferences()
+    assert pair.volume == pytest.approx((radius / 10) ** 3 * 1e-9)
+    around = box("around", 0, 0, 0, size=[4 * radius] * 3)
+    (pair,) = assembly({**ball, "shell": radius / 10}, around).interferences()
+    assert pair.volume == pytest.approx(4 / 3 * math.pi * radius**3 * (1.05**3 - 0.95**3) * 1e-9, rel=0.04)
+
+
+def test_a_sheet_with_more_prisms_than_are_united_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("inertia.assembly.interference.MOST_PRISMS", 2)
+    flat = sheet(obj(tmp_path, "flat.obj", TEE, [[0, 4, 5, 3], [4, 1, 2, 5]]))
+    whole = assembly(flat, box("block", 15, 20, 0), box("corner", 29, 1, 3, size=[2, 2, 2]))
+    assert [each.second for each in whole.interferences()] == ["corner"]
+    assert whole.unexamined() == {
+        "sheet": "4 of its triangles are near block, more than the 2 that are united: simplify it"
+    }
+    with pytest.raises(GeometryError, match="the clearance of sheet cannot be had: 4 of its"):
+        whole.interferences(1e-3)
 
 
 def test_cells_are_looked_at_by_their_outside() -> None:
@@ -156,24 +216,28 @@ def test_cells_are_looked_at_by_their_outside() -> None:
     assert pair.volume == pytest.approx(np.prod(high - low) * 1e-9)
 
 
-def test_what_cannot_be_looked_at_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
-    arms = np.stack([np.cos(angles / 2) * np.cos(angles), np.cos(angles / 2) * np.sin(angles), np.sin(angles / 2)], 1)
-    middle = 30 * np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
-    strip = np.vstack([middle - 5 * arms, middle + 5 * arms])
-    faces = [[k, k + 1, k + 13, k + 12] for k in range(11)] + [[11, 12, 0, 23]]  # half a turn
-    obj(tmp_path, "moebius.obj", strip, faces)
-    weighed = 'name = "w"\nmass = 1\ninertia = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n'
-    (tmp_path / "a.toml").write_text(
-        f'[[part]]\nname = "m"\nfile = "moebius.obj"\nshell = 1\n[[part]]\n{weighed}[[part]]\nname = "p"\n'
-        'shape = "point"\nmass = 1\n'
+@pytest.mark.parametrize(("raised", "count"), [(0.0, 1), (1.0, 0)])
+def test_cells_with_flat_faces_are_judged_as_triangles_are(raised: float, count: int, tmp_path: Path) -> None:
+    hexahedron = CORNERS[[0, 4, 6, 2, 1, 5, 7, 3]] + [0.0, 0.0, raised] * np.eye(8, 1, -7)
+    rows = "\n".join(" ".join(map(repr, row)) for row in hexahedron.tolist())
+    (tmp_path / "hex.vtk").write_text(
+        f"# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 double\n{rows}\n"
+        "CELLS 1 9\n8 0 1 2 3 4 5 6 7\nCELL_TYPES 1\n12\n"
     )
+    cells = {"name": "c", "file": str(tmp_path / "hex.vtk"), "density": 1000.0, "unit": "mm"}
+    pairs = assembly(cells, box("deep", 0, 0, -19.96, size=[20] * 3)).interferences()
+    assert [pair.volume for pair in pairs] == [pytest.approx(20 * 20 * 0.04e-9)] * count
+
+
+def test_what_cannot_be_looked_at_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    weighed = 'name = "w"\nmass = 1\ninertia = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n'
+    (tmp_path / "a.toml").write_text(f'[[part]]\n{weighed}[[part]]\nname = "p"\nshape = "point"\nmass = 1\n')
     assert main(["assembly", str(tmp_path / "a.toml"), "--interference"]) == 0
     text = capsys.readouterr().out
     assert "Interference      none of the parts that were looked at" in text
     assert "Not looked at     w: only what it weighs is stated" in text
     assert main(["assembly", str(tmp_path / "a.toml"), "--interference", "--json"]) == 0
-    assert [each["part"] for each in json.loads(capsys.readouterr().out)["unexamined"]] == ["m", "w"]
+    assert [each["part"] for each in json.loads(capsys.readouterr().out)["unexamined"]] == ["w"]
 
 
 def test_a_part_of_which_no_clearance_can_be_had_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,4 +1,4 @@
-"""Solids of manifold3d from closed surfaces, for cutting and simplifying: scaled so that nothing overflows."""
+"""Solids of manifold3d from closed surfaces, for cutting, uniting and simplifying: scaled so that nothing overflows."""
 
 from __future__ import annotations
 
@@ -43,3 +43,10 @@ def solid(
     if result.status() != Error.NoError:
         raise GeometryError(f"{fault} ({result.status().name}): ", *advice)
     return result
+
+
+def union(solids: Sequence[Any]) -> Any:
+    """Return the solid that solids are together; planes that they share but for rounding can lose some of them."""
+    from manifold3d import Manifold, OpType
+
+    return Manifold.batch_boolean(solids, OpType.Add)
