@@ -130,10 +130,10 @@ def finished(done: Any, client: Any) -> list[tuple[Any, Any]]:
         for future, result in done.next_batch(block=False):
             if future.status in ("lost", "pending"):  # its worker ended with the result
                 done.add(future)
-            elif future.status not in ("finished", "error"):
-                raise _gone()
             elif future.status == "error" and isinstance(error := future.exception(), InertiaError | ImportError):
                 raise fault(error)
+            elif future.status not in ("finished", "error") or (future.status == "error" and error is None):
+                raise _gone()
             else:
                 ready.append((future, result))
         if ready:

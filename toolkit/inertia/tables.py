@@ -197,7 +197,7 @@ def read_table(path: Path) -> tuple[dict[str, Any], Iterator[dict[str, Any]]]:
     """
     try:
         for each in (path, _beside(path)):
-            if each.exists() and not each.is_file():  # a pipe without a writer would wait for one
+            if each.exists() and not (each.is_file() or each.is_dir()):  # a pipe without a writer would wait for one
                 raise ValueError(f"{each.name} is not a regular file")
         if path.suffix.lower() == ".parquet":
             file = load_pyarrow().parquet.ParquetFile(path)

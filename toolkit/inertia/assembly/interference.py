@@ -209,11 +209,7 @@ def _box(points: Float) -> Float:
 
 @checking_once()
 def unexamined(tree: PartTree) -> dict[str, str]:
-    """Return the parts with an extent that `interferences` leaves out, or a sheet that it leaves out beside
-    another.
-
-    Returns why, by name.
-    """
+    """Return why, by name, parts with an extent are left out by `interferences`, and sheets beside another part."""
     reasons = {}
     for node in tree.root.leaves:
         if node.fields is None or node.body is None or node.fields.shape == "point":

@@ -71,7 +71,7 @@ class Cluster:
         while not answers:
             for future, result in finished(self._done, self._client):
                 _, bundle = self._sent.pop(future.key)
-                if future.status == "finished":
+                if isinstance(result, list):  # what is at hand counts, whatever becomes of the scheduler
                     answers += zip([number for number, _ in bundle], result, strict=True)
                 elif len(bundle) > 1:  # its worker died more often than the scheduler allows: one file may do that
                     for each in bundle:

@@ -144,7 +144,7 @@ class DaskWorkers:
         done = distributed.as_completed(futures, loop=self._client.loop, with_results=True, raise_errors=False)
         while number:
             for future, result in finished(done, self._client):
-                if future.status != "finished":
+                if future.status == "error":  # whatever becomes of the scheduler, other results are at hand
                     raise fault(future.exception())
                 yield number.pop(future.key), result
                 future.release()
