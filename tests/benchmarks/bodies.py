@@ -162,9 +162,11 @@ KINDS: dict[str, Callable[[], Mesh]] = {
     "4,096 rings, and two blocks that touch": lambda: _touching(4_096),
     "4,096 rings, and two cubes with a common side": lambda: _sharing(4_096),
     "8,000 cubes face on face": lambda: _copies(solids.cube(), _lattice(8_000, 1.0)),
+    "27,000 cubes face on face": lambda: _copies(solids.cube(), _lattice(27_000, 1.0)),
     "512 bricks of a wall, askew": lambda: _wall(512),
     "100 discs of a pile, askew": lambda: _pile(100),
     "25 bolts in a plate, askew": lambda: _bolted(5),
+    "400 bolts in a plate, askew": lambda: _bolted(20),
     "512 cubes that overlap": lambda: _copies(solids.cube(), _lattice(512, 0.7)),
     "8,000 tetrahedra that overlap": lambda: _tetrahedra(8_000, 0.45),
 }

@@ -13,6 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
+from inertia.mesh.part import Part
+from inertia.mesh.read import read
+
 CORNERS = np.array([[x, y, z] for x in (0.1, 1.1) for y in (0.0, 2.0) for z in (0.0, 3.0)])
 TRIANGLES = np.array(
     [
@@ -426,3 +429,30 @@ def volumes(folder: Path) -> dict[str, tuple[str, bytes]]:
         "su2": ("two.su2", by_meshio(folder, "two.su2", "su2")),
         "avsucd": ("two.avs", by_meshio(folder, "two.avs", "avsucd")),
     }
+
+
+MIDDLES = {
+    "tetra10": [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)],
+    "hexahedron20": [
+        *((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)),
+    ],
+    "wedge15": [(0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)],
+    "pyramid13": [(0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4)],
+}
+MIDDLES["hexahedron27"] = [
+    *MIDDLES["hexahedron20"],
+    *((0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7), tuple(range(8))),
+]
+MIDDLES["wedge18"] = [*MIDDLES["wedge15"], (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)]
+MIDDLES["pyramid14"] = [*MIDDLES["pyramid13"], (0, 1, 2, 3)]
+"""VTK's order: the corners that each further node is in the middle of."""
+
+
+def read_text(folder: Path, name: str, text: str | bytes, **options: str) -> Part:
+    path = folder / name
+    path.write_bytes(text.encode() if isinstance(text, str) else text)
+    return read(path, **options)
+
+
+def names_of(part: Part) -> list[str] | None:
+    return part.regions and [part.regions.names[i] for i in part.regions.index]

@@ -4,7 +4,6 @@ import contextlib
 import importlib
 import io
 import struct
-from fractions import Fraction
 from pathlib import Path
 
 import meshio
@@ -15,12 +14,15 @@ from tests.mesh.readers.samples import (
     CORNERS,
     GMSH_22,
     GMSH_41,
+    MIDDLES,
     NASTRAN,
     QUADS,
     TETRA,
     TETRA_POINTS,
     TRIANGLES,
     VTK_TEXT,
+    names_of,
+    read_text,
     volumes,
 )
 
@@ -55,21 +57,6 @@ REGIONS = {
     "su2": None,
     "avsucd": None,
 }
-MIDDLES = {
-    "tetra10": [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)],
-    "hexahedron20": [
-        *((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)),
-    ],
-    "wedge15": [(0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)],
-    "pyramid13": [(0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4)],
-}
-MIDDLES["hexahedron27"] = [
-    *MIDDLES["hexahedron20"],
-    *((0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7), tuple(range(8))),
-]
-MIDDLES["wedge18"] = [*MIDDLES["wedge15"], (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)]
-MIDDLES["pyramid14"] = [*MIDDLES["pyramid13"], (0, 1, 2, 3)]
-"""VTK's order: the corners that each further node is in the middle of."""
 
 GMSH_NODES = {
     "tetra10": (11, [(0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)]),
@@ -102,20 +89,10 @@ GMSH_NODES["pyramid14"] = (14, [*GMSH_NODES["pyramid13"][1], (0, 3, 2, 1)])
 CORNERS_OF = {"tetra": 4, "hexahedron": 8, "wedge": 6, "pyramid": 5}
 
 
-def read_text(folder: Path, name: str, text: str | bytes, **options: str) -> Part:
-    path = folder / name
-    path.write_bytes(text.encode() if isinstance(text, str) else text)
-    return read(path, **options)
-
-
 def written(folder: Path, name: str, mesh: meshio.Mesh, **options: str) -> Part:
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
         mesh.write(folder / name, **options)
     return read(folder / name)
-
-
-def names_of(part: Part) -> list[str] | None:
-    return part.regions and [part.regions.names[i] for i in part.regions.index]
 
 
 @pytest.mark.parametrize("sample", REGIONS)
@@ -578,199 +555,6 @@ def test_xdmf_does_not_follow_references_to_raw_files(tmp_path: Path) -> None:
             "a.xdmf",
             text.replace('Format="XML" Precision="8">', 'Format="HDF" Precision="8">gone.h5:/a', 1),
         )
-
-
-@pytest.mark.parametrize("comment", ["  $ the last one", "\t$", " $ of two, 1.5 $ and more"])
-def test_comments_behind_the_fields_of_nastran_are_left_aside(comment: str, tmp_path: Path) -> None:
-    lines = NASTRAN.splitlines()
-    behind = [line + comment if line.startswith(("GRID", "*", "CTETRA")) else line for line in lines]
-    plain = read_text(tmp_path, "plain.bdf", NASTRAN)
-    part = read_text(tmp_path, "a.bdf", "\n".join(behind) + "\n")
-    assert isinstance(part.geometry, Cells)
-    assert isinstance(plain.geometry, Cells)
-    assert np.array_equal(part.geometry.points, plain.geometry.points)
-    assert [block.nodes.tolist() for block in part.geometry.blocks] == [
-        block.nodes.tolist() for block in plain.geometry.blocks
-    ]
-
-
-HEXAHEDRON = np.array([[x, y, z] for z in (0, 3) for x, y in ((0, 0), (1, 0), (1, 2), (0, 2))], float)
-NASTRAN_MIDDLES = {
-    "CTETRA": ("tetra10", [0, 1, 2, 3, 4, 5]),
-    "CPYRAM": ("pyramid13", [*range(8)]),
-    "CPENTA": ("wedge15", [0, 1, 2, 6, 7, 8, 3, 4, 5]),
-    "CHEXA": ("hexahedron20", [0, 1, 2, 3, 8, 9, 10, 11, 4, 5, 6, 7]),
-}
-"""Nastran's midside nodes, from the figures of its Quick Reference Guide, as places in VTK's order of them."""
-
-
-def bulk(*cards: str) -> str:
-    return "\n".join(["BEGIN BULK", *cards, "ENDDATA", ""])
-
-
-def grid(points: np.ndarray) -> list[str]:
-    return [f"GRID,{k},,{','.join(map(str, map(float, point)))}" for k, point in enumerate(points, 1)]
-
-
-CORNERS_OF_8 = "".join(f"{k:<8}" for k in (1, 1, 1, 2, 3, 4, 5, 6))
-
-
-@pytest.mark.parametrize(
-    "lines",
-    [
-        ["CHEXA,1,1,1,2,3,4,5,6", ",7,8"],
-        ["CHEXA,1,1,1,2,3,4,5,6,", ",7,8"],
-        ["CHEXA,1,1,1,2,3,4,5,6,+a", "+b,7,8"],
-        ["CHEXA,1,1,1,2,3,4,5,6", "       ,7,8"],
-        ["CHEXA   " + CORNERS_OF_8, "        7       8"],
-        ["CHEXA   " + CORNERS_OF_8.rstrip(), "        7       8       "],
-        ["CHEXA   " + CORNERS_OF_8 + "        ", "        7       8"],
-        ["CHEXA   " + CORNERS_OF_8 + "+A", "+A      7       8"],
-        ["CHEXA   " + CORNERS_OF_8, ",7,8"],
-        ["CHEXA\t" + CORNERS_OF_8.replace("       ", "\t"), "\t7\t8"],
-        ["CHEXA   " + CORNERS_OF_8, "$ between", "", "        7       8"],
-    ],
-)
-def test_nastran_s_continuations_need_no_name(lines: list[str], tmp_path: Path) -> None:
-    part = read_text(tmp_path, "a.bdf", bulk(*grid(HEXAHEDRON), *lines))
-    assert isinstance(part.geometry, Cells)
-    ((kind, nodes),) = [(block.kind, block.nodes.tolist()) for block in part.geometry.blocks]
-    assert (kind, nodes) == ("hexahedron", [[*range(8)]])
-    assert mass_properties(part, 1.0).mass == pytest.approx(6e-9, rel=1e-14)
-
-
-def test_a_continued_card_that_is_left_aside_takes_its_lines_along(tmp_path: Path) -> None:
-    text = bulk(*grid(HEXAHEDRON[[0, 1, 3, 4]]), "MAT9,1,1.,2.,3.,4.,5.,6.,7.", ",8.,9.", "CTETRA,1,1,1,2,3,4")
-    assert mass_properties(read_text(tmp_path, "a.bdf", text), 1.0).mass == pytest.approx(1e-9, rel=1e-15)
-
-
-@pytest.mark.parametrize(
-    "seven", ["7.0", "7.", ".7E1", "0.7+1", ".70+1", "7.E+0", "70.-1", ".7D1", "7.D+0", "70.d-1", "+.7e+01", "7"]
-)
-@pytest.mark.parametrize("large", [False, True])
-def test_reals_of_nastran(seven: str, large: bool, tmp_path: Path) -> None:
-    """The Quick Reference Guide's ways of writing 7, those in double precision too; a blank coordinate is 0."""
-    point = (
-        f"GRID*   {4:<16}{'':<16}{'':<16}{'':<16}\n*       {seven:<16}" if large else f"GRID    {4:<24}{'':<8}{seven}"
-    )
-    corners = ["GRID,1,,0.,0.,0.", "GRID,2,0,1.,,", "GRID,3,,0.,1.,0.", point]
-    part = read_text(tmp_path, "a.bdf", bulk(*corners, "CTETRA,1,1,1,2,3,4"))
-    assert isinstance(part.geometry, Cells)
-    assert part.geometry.points.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 7]]
-    assert part.rounding is None
-
-
-@pytest.mark.parametrize("card", NASTRAN_MIDDLES)
-@pytest.mark.parametrize("which", ["none", "first", "some", "all but one"])
-def test_blank_midside_nodes_are_in_the_middles_of_their_edges(card: str, which: str, tmp_path: Path) -> None:
-    """The element's volume is that of the same corners without any; one node that is off its edge counts."""
-    kind, order = NASTRAN_MIDDLES[card]
-    count = len(MIDDLES[kind])
-    corners = HEXAHEDRON[
-        {"CTETRA": [0, 1, 3, 4], "CPYRAM": [0, 1, 2, 3, 4], "CPENTA": [0, 1, 3, 4, 5, 7]}.get(card, slice(8))
-    ]
-    middles = np.array([corners[[*edge]].mean(axis=0) for edge in MIDDLES[kind]])[order]
-    given = {"none": [], "first": [0], "some": [1, count - 1], "all but one": [*range(count - 1)]}[which]
-    points = np.concatenate([corners, middles[given]])
-    names = iter(range(len(corners) + 1, len(points) + 1))
-    nodes = [*map(str, range(1, len(corners) + 1)), *(str(next(names)) if k in given else "" for k in range(count))]
-    fields = ["1", "1", *nodes]
-    lines = [",".join(["" if k else card, *fields[k : k + 8]]) for k in range(0, len(fields), 8)]
-    part = read_text(tmp_path, "a.bdf", bulk(*grid(points), *lines))
-    assert isinstance(part.geometry, Cells)
-    (block,) = part.geometry.blocks
-    places = part.geometry.points[block.nodes[0]]
-    assert np.array_equal(places[: len(corners)], corners)
-    if which == "none":
-        assert len(places) == len(corners)
-    else:
-        assert block.kind == kind
-        assert np.array_equal(places[len(corners) :], middles[np.argsort(order)])
-    volume = {"CTETRA": 1, "CPYRAM": 2, "CPENTA": 3, "CHEXA": 6}[card]
-    assert mass_properties(part, 1.0).mass == pytest.approx(volume * 1e-9, rel=1e-14)
-
-
-def test_elements_share_the_middle_of_an_edge_and_it_is_in_the_bounds(tmp_path: Path) -> None:
-    points = grid(np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.7, 0], [0, 0, 0.3], [0, 0, -0.3], [0.05, 0, 0]]))
-    text = bulk(*points, "CTETRA,1,1,1,2,3,4,6", "CTETRA,2,1,1,3,2,5,,", ",6")
-    part = read_text(tmp_path, "a.bdf", text)
-    assert isinstance(part.geometry, Cells)
-    assert len(part.geometry.points) == 6 + 5 + 3
-    assert [block.nodes.shape for block in part.geometry.blocks] == [(2, 10)]
-    assert part.rounding is not None
-    properties = mass_properties(part, 1.0)
-    exact = Fraction(2 * 7 * 3, 6 * 1000 * 10**9)
-    assert abs(Fraction(properties.mass) - exact) <= exact * Fraction(properties.error.mass)
-
-
-@pytest.mark.parametrize(("card", "corners"), [("CTRIA6", [0, 1, 2]), ("CQUAD8", [0, 1, 2, 3])])
-def test_shells_of_second_order_may_do_without_midside_nodes(card: str, corners: list[int], tmp_path: Path) -> None:
-    part = read_text(
-        tmp_path, "a.bdf", bulk(*grid(HEXAHEDRON[:4]), f"{card},1,1,{','.join(str(k + 1) for k in corners)}")
-    )
-    assert part.triangles.count == len(corners) - 2
-
-
-SHELL_OPTIONS = {
-    "CQUAD4": ["3", "45.", ",.0", "3,0.", ",,\n,,,.1,.2,.1,.1"],
-    "CQUADR": ["3", "45."],
-    "CTRIA3": ["3", "30.,.0", ",,\n,,,.1,.1,.1"],
-    "CTRIAR": ["3", "30."],
-    "CQUAD8": [",,\n,,,.1,.1,.1,.1,30.", ",,\n,,,,,,,3", ",,\n,,,,,,,3,0."],
-    "CTRIA6": [",,\n,3", ",,\n,30.,0.,.1,.1,.1"],
-}
-
-
-@pytest.mark.parametrize(("card", "more"), [(card, more) for card, rest in SHELL_OPTIONS.items() for more in rest])
-def test_what_stands_behind_the_nodes_of_a_shell_is_left_aside(card: str, more: str, tmp_path: Path) -> None:
-    text = bulk(*grid(HEXAHEDRON), *(f"{card},{k},7,{nodes},{more}" for k, nodes in ((1, "1,2,3,4"), (2, "5,6,7,8"))))
-    if card.startswith("CTRI"):
-        text = text.replace("1,2,3,4", "1,2,3").replace("5,6,7,8", "5,6,7")
-    part = read_text(tmp_path, "a.bdf", text, unit="m")
-    assert mass_properties(part, 1, shell=1e-3).volume == pytest.approx(2e-3 if card.startswith("CTRI") else 4e-3)
-    assert all("split" in note for note in part.notes)
-
-
-@pytest.mark.parametrize(
-    ("card", "rest"), [("CQUAD4", "1,2,3,4,,.1"), ("CTRIA3", "1,2,3,,-.1"), ("CQUAD8", "1,2,3,4,,,\n,,,,,,,,1.-1")]
-)
-def test_the_offset_of_a_shell_is_noted(card: str, rest: str, tmp_path: Path) -> None:
-    part = read_text(tmp_path, "a.bdf", bulk(*grid(HEXAHEDRON), f"{card},1,7,{rest}"))
-    assert "the offset of 1 shell from its nodes was left out" in part.notes
-
-
-@pytest.mark.parametrize("card", ["CBUSH,3,7,2,3", "CGAP,3,7,2,3,0.,0.,1.", "CELAS1,3,7,2,1,3,1", "CDAMP2*,3,1.,2,1"])
-def test_springs_and_gaps_weigh_nothing(card: str, tmp_path: Path) -> None:
-    part = read_text(tmp_path, "a.bdf", bulk(*grid(HEXAHEDRON), "CROD,1,7,1,2", card), unit="m")
-    assert part.notes == ("1 element without material (spring, damper or gap) was left out",)
-    assert mass_properties(part, 1, wire=1e-4).mass == pytest.approx(1e-4)
-
-
-def test_point_masses_of_nastran_are_noted(tmp_path: Path) -> None:
-    masses = ("CONM2,10,1,,100.", "CMASS2,11,5.,2,1")
-    part = read_text(tmp_path, "a.bdf", NASTRAN.replace("ENDDATA", "\n".join([*masses, "ENDDATA"])))
-    assert part.notes == ("2 elements of concentrated mass were left out",)
-
-
-def test_nastran_may_be_written_in_lower_case(tmp_path: Path) -> None:
-    plain, lower = (read_text(tmp_path, name, text) for name, text in (("a.bdf", NASTRAN), ("b.bdf", NASTRAN.lower())))
-    assert isinstance(plain.geometry, Cells)
-    assert isinstance(lower.geometry, Cells)
-    assert np.array_equal(plain.geometry.points, lower.geometry.points)
-    assert np.array_equal(plain.geometry.blocks[0].nodes, lower.geometry.blocks[0].nodes)
-
-
-def test_a_grid_point_is_in_one_place(tmp_path: Path) -> None:
-    again = NASTRAN.replace("CTETRA,2", "GRID,5,,1.1,11.-1,1.10\nCTETRA,2")
-    assert names_of(read_text(tmp_path, "a.bdf", again)) == ["7", "8"]
-    with pytest.raises(ReadError, match="defines GRID 5 twice, in two places"):
-        read_text(tmp_path, "b.bdf", again.replace("11.-1", "1.2"))
-
-
-@pytest.mark.parametrize("card", ["CONROD,3,1,2,7,1.", "CTUBE,3,7,1,2", "CBEND,3,7,1,2", "CQUAD4,3,7,1,2,3"])
-def test_other_elements_of_nastran_are_refused(card: str, tmp_path: Path) -> None:
-    with pytest.raises(ReadError, match=r"is not read: write|it needs 4 corners; export"):
-        read_text(tmp_path, "a.bdf", NASTRAN.replace("ENDDATA", f"{card}\nENDDATA"))
 
 
 ALIGNED = np.array([[x, y, z] for z in (0, 3) for y in (0, 2) for x in (0, 1)])

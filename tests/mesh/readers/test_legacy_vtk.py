@@ -4,8 +4,7 @@ import itertools
 from pathlib import Path
 
 import pytest
-from tests.mesh.readers.samples import VTK_TEXT
-from tests.mesh.readers.test_cells import names_of, read_text
+from tests.mesh.readers.samples import VTK_TEXT, names_of, read_text
 
 from inertia import mass_properties
 from inertia.errors import ReadError

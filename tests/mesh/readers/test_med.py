@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.mesh.readers.samples import TETRA, TETRA_POINTS, by_meshio
-from tests.mesh.readers.test_cells import names_of, written
+from tests.mesh.readers.samples import TETRA, TETRA_POINTS, by_meshio, names_of
+from tests.mesh.readers.test_cells import written
 
 from inertia.errors import ReadError
 from inertia.mesh.part import Cells, Part

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.mesh.readers.test_cells import names_of
+from tests.mesh.readers.samples import names_of
 
 from inertia import mass_properties
 from inertia.errors import ReadError
