@@ -136,6 +136,17 @@ def _bolted(side: int) -> Mesh:
     return vertices, np.arange(len(vertices)).reshape(-1, 3)
 
 
+def _hollow(count: int, wall: float) -> Mesh:
+    """Return a wavy torus, hollow, of so many triangles, with a wall as thick as so many edges are long."""
+    vertices, faces = wavy_torus(count // 2)
+    sides = vertices[faces[:, 1:]] - vertices[faces[:, :1]]
+    normal, edge = np.zeros_like(vertices), float(np.median(np.linalg.norm(sides, axis=2)))
+    for corner in faces.T:
+        np.add.at(normal, corner, np.cross(sides[:, 0], sides[:, 1]))
+    inner = vertices - wall * edge * normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    return _joined((vertices, faces), (inner, faces[:, ::-1]))
+
+
 def _joined(one: Mesh, other: Mesh) -> Mesh:
     return np.concatenate([one[0], other[0]]), np.concatenate([one[1], other[1] + len(one[0])])
 
@@ -153,6 +164,8 @@ KINDS: dict[str, Callable[[], Mesh]] = {
     "64,000 cubes": lambda: _copies(solids.cube(), _lattice(64_000, 2.0)),
     "1,000,000 tetrahedra": lambda: _tetrahedra(1_000_000, 2.0),
     "1,000 hollow balls": lambda: _balls(1_000),
+    "a hollow torus of 1,300,000, wall of 5 edges": lambda: _hollow(1_300_000, 5.0),
+    "a hollow torus of 1,300,000, wall of half an edge": lambda: _hollow(1_300_000, 0.5),
     "300 shells in each other": lambda: _shells(300),
     "3,000 shells in each other": lambda: _shells(3_000),
     "3,000 rings of a chain": lambda: _chain(3_000),

@@ -1,5 +1,6 @@
 """The converter of STEP files: its limits of time and memory, and its end."""
 
+import errno
 import os
 import subprocess
 import sys
@@ -54,6 +55,14 @@ def test_a_conversion_that_fills_the_memory_is_ended(
 def test_a_conversion_that_crashes_is_a_sentence(sphere: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     convert_by("import os; os.kill(os.getpid(), 11)", tmp_path, monkeypatch)
     with pytest.raises(ReadError, match=r"OpenCASCADE cannot convert it \(status -11\): export the part again"):
+        read(sphere)
+
+
+def test_a_full_disk_of_temporary_files_is_not_put_down_to_the_file(
+    sphere: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    convert_by(f"raise OSError({errno.ENOSPC}, 'full')", tmp_path, monkeypatch)
+    with pytest.raises(ReadError, match=r"ball.step: there is no room for temporary files: .*TMPDIR"):
         read(sphere)
 
 

@@ -12,16 +12,15 @@ from numba import carray, njit
 from inertia.mass.triangles.double_double_kernel import fma
 from inertia.mass.triangles.fetch_kernel import DEPTH, LANES, fetch_faces, fetch_facets, lowered, raised
 
-HIGH, LOW, EDGES, PLACES, TERMS, SIZE, REST, AREA = 0, 10, 20, 23, 26, 27, 28, 29
-"""Rows of the ten sums, their remainders, the squares of edges and first corners, |the terms of d|, |d|, |its
-remainder|, |n|."""
+HIGH, LOW, EDGES, SIZE, AREA = 0, 10, 20, 23, 24
+"""Rows of the ten sums, their remainders, the squares of edges, |d|, |n|."""
 
-LEAST, MOST, FAR, ROWS = 30, 33, 36, 38
+LEAST, MOST, FAR, ROWS = 25, 28, 31, 33
 """Rows of the least and the largest coordinates, of the largest |A| along the two sheared axes; of all."""
 
-A, R, D, N, START, ROOM = 0, 9, 18, 22, 25, 35
+A, R, D, N, START, HALF, ROOM = 0, 9, 18, 22, 25, 35, 44
 """Rows of `hold`: corners on the grid, what is left of them; d, its remainder, both, twice both; the normal; what the
-ten sums start from."""
+ten sums start from. Then, of two corners, the sums of either, and in `HALF` the former with half of the latter."""
 
 TOP = 1.5 * 2.0**52
 """Times a step of a grid: what rounds to that grid where it is added."""
@@ -130,9 +129,6 @@ def volumes(hold, fine, top):
         fine[EDGES, j] = fma(ux, ux, fma(vx, vx, fine[EDGES, j]))
         fine[EDGES + 1, j] = fma(uy, uy, fma(vy, vy, fine[EDGES + 1, j]))
         fine[EDGES + 2, j] = fma(uz, uz, fma(vz, vz, fine[EDGES + 2, j]))
-        fine[PLACES, j] = fma(ax, ax, fine[PLACES, j])
-        fine[PLACES + 1, j] = fma(ay, ay, fine[PLACES + 1, j])
-        fine[PLACES + 2, j] = fma(az, az, fine[PLACES + 2, j])
         nx, ny, nz = fma(uy, vz, -(uz * vy)), fma(uz, vx, -(ux * vz)), fma(ux, vy, -(uy * vx))
         mx = fma(uy, qz, fma(-uz, qy, fma(py, wz, -(pz * wy))))
         my = fma(uz, qx, fma(-ux, qz, fma(pz, wx, -(px * wz))))
@@ -146,16 +142,14 @@ def volumes(hold, fine, top):
         low = fma(rx, nx + mx, fma(ry, ny + my, fma(rz, nz + mz, low)))
         fine[HIGH, j] += d
         fine[LOW, j] += low
-        fine[TERMS, j] += fma(abs(ax), abs(nx), fma(abs(ay), abs(ny), abs(az) * abs(nz)))
         fine[SIZE, j] += abs(d)
-        fine[REST, j] += abs(low)
         hold[N, j], hold[N + 1, j], hold[N + 2, j] = nx + mx, ny + my, nz + mz
         hold[D, j], hold[D + 1, j], hold[D + 2, j], hold[D + 3, j] = d, low, d + low, 2.0 * (d + low)
 
 
 @njit(inline="always")
 def along(hold, fine, k):
-    """Add to the first moment and to the second one along an axis."""
+    """Add to the first moment and to the second one along an axis; leave sums of two corners in place of these."""
     for j in range(LANES):
         a, b, c = hold[A + k, j], hold[A + 3 + k, j], hold[A + 6 + k, j]
         r, s, t = hold[R + k, j], hold[R + 3 + k, j], hold[R + 6 + k, j]
@@ -165,21 +159,30 @@ def along(hold, fine, k):
         f, g, h = fma(0.5, rs, ab), fma(0.5, st, bc), fma(0.5, tr, ca)
         put(fine, 1 + k, j, d, low, both, ab + c, rs + t)
         put(fine, 4 + k, j, d, low, twice, fma(ab, ab, fma(bc, bc, ca * ca)), fma(rs, f, fma(st, g, tr * h)))
+        hold[A + k, j], hold[A + 3 + k, j], hold[A + 6 + k, j] = ab, bc, ca
+        hold[R + k, j], hold[R + 3 + k, j], hold[R + 6 + k, j] = rs, st, tr
+        hold[HALF + k, j], hold[HALF + 3 + k, j], hold[HALF + 6 + k, j] = f, g, h
 
 
 @njit(inline="always")
 def across(hold, fine, row, k, m):
-    """Add to the second moment of two axes."""
+    """Add to the second moment of two axes, of sums of two corners."""
     for j in range(LANES):
-        a, b, c = hold[A + k, j], hold[A + 3 + k, j], hold[A + 6 + k, j]
-        r, s, t = hold[R + k, j], hold[R + 3 + k, j], hold[R + 6 + k, j]
-        ab, bc, ca, rs, st, tr = a + b, b + c, c + a, r + s, s + t, t + r
-        a, b, c = hold[A + m, j], hold[A + 3 + m, j], hold[A + 6 + m, j]
-        r, s, t = hold[R + m, j], hold[R + 3 + m, j], hold[R + 6 + m, j]
-        de, ef, fd, uv, vw, wu = a + b, b + c, c + a, r + s, s + t, t + r
-        high = fma(ab, de, fma(bc, ef, ca * fd))
-        low = fma(rs, de + uv, fma(st, ef + vw, tr * (fd + wu)))
-        low = fma(ab, uv, fma(bc, vw, fma(ca, wu, low)))
+        high = fma(
+            hold[A + k, j],
+            hold[A + m, j],
+            fma(hold[A + 3 + k, j], hold[A + 3 + m, j], hold[A + 6 + k, j] * hold[A + 6 + m, j]),
+        )
+        low = fma(
+            hold[HALF + k, j],
+            hold[R + m, j],
+            fma(hold[HALF + 3 + k, j], hold[R + 3 + m, j], hold[HALF + 6 + k, j] * hold[R + 6 + m, j]),
+        )
+        low = fma(
+            hold[R + k, j],
+            hold[HALF + m, j],
+            fma(hold[R + 3 + k, j], hold[HALF + 3 + m, j], fma(hold[R + 6 + k, j], hold[HALF + 6 + m, j], low)),
+        )
         put(fine, row, j, hold[D, j], hold[D + 1, j], hold[D + 2, j], high, low)
 
 

@@ -15,14 +15,15 @@ that multiples of the steps stay integers, now of a finer step, on which what is
 
 Bounds, per triangle, lengths in steps, with R the farthest A, e the magnitudes of the coordinates of two edges u and v,
 S = 3 R, g the step of the grid of d. The remainder of a normal's coordinate x is below T = e_y + e_z + 2 and off by
-6 u T. With P = Σ |A| T over the three axes, that of d is off by ε = u (12.1 P + 4.1 R e + 7 (e + 3) + 14 g): six u in
-T, six fused additions, those of the normal itself, and the residues of the three products on the grid. Let l be its
-magnitude. The remainder of a product with a bracket B ≤ 12 R² is off by ε B + u (2 B l + 84 R |d|) and one and a half u
-steps of its sum's grid: six remainders of half a step or less that are added in pairs (12 R), six numbers they multiply
-(12 R), six fused additions (42 R), d and the last addition (18 R). It passes through 42 additions (32 down a lane, five
-across the lanes, four and one across the blocks), each off by u of B l + 12 R |d| and half such a step. With s for the
-bracket it is S for B. The sums of e and P over the triangles are had from those of squares, by Cauchy's inequality. No
-step of this holds unless Σ |d|, with the magnitudes of the three terms of d, is below 2⁵⁰ g.
+6 u T. With P = Σ R T over the three axes, that of d is off by ε = u (12.1 P + 4.1 R e + 7 (e + 3) + 14 g): six u in
+T, six fused additions, those of the normal itself, and the residues of the three products on the grid. Its magnitude l
+is at most P + Σ (|n| + T) / 2 + 1.5 g. The remainder of a product with a bracket B ≤ 12 R² is off by
+ε B + u (2 B l + 84 R |d|) and one and a half u steps of its sum's grid: six remainders of half a step or less that are
+added in pairs (12 R), six numbers they multiply (12 R), six fused additions (42 R), d and the last addition (18 R). It
+passes through 42 additions (32 down a lane, five across the lanes, four and one across the blocks), each off by u of
+B l + 12 R |d| and half such a step. With s for the bracket it is S for B. The sums of e, T and |n| over the triangles
+are had from those of the squares of the edges, by Cauchy's inequality. No step of this holds unless Σ |d| is below
+2⁵⁰ g, and so is what the three terms of one d can be, 24 times the product of the three R.
 
 A sheared coordinate is off by m = u (2 ρ + 1), where the remainders that it is made of are at most ρ of its steps.
 Every corner at one place is moved alike: the surface stays closed, and an integral of f over the solid changes by at
@@ -43,7 +44,7 @@ from inertia.mass.triangles.kernels import BlockKernel
 from inertia.native import Kernel, address
 from inertia.records import dataclass
 
-ADDED, ROWS = 30, 38
+ADDED, ROWS = 25, 33
 """Ten sums on their grids, their remainders, what the bounds need, Σ |n|; with the extents, stored and sheared."""
 
 _ABI = "ddd" + "ddd" + "d" + "iii" + "ddd" + "ddd" + "pp"
@@ -52,7 +53,7 @@ KERNEL = BlockKernel(
     Kernel("inertia.mass.triangles.fine_kernel", "sum_facets", "pi" + _ABI, wide=True),
     Kernel("inertia.mass.triangles.fine_kernel", "sum_faces", "ppi" + _ABI, wide=True),
     columns=ROWS,
-    room=35,
+    room=44,
 )
 
 _SAMPLE = Kernel("inertia.mass.triangles.sample_kernel", "measure_sample", "piip")
@@ -70,7 +71,7 @@ SHARE = 2.0**-3
 WORTHWHILE = 32.0
 """Times smaller the volume of a cell has to become by a shear."""
 
-_AMPLE = 64.0
+_AMPLE = 128.0
 _FINEST = 2.0**-23  # of a step before the shear: sums of three products are exact below 2⁵³ shares of it
 _SMALLEST = 2.0**-1000
 
@@ -114,26 +115,21 @@ class Grid:
 class FineSums:
     """The ten sums (10,) about the origin of the grid, their remainders, and what the bounds need.
 
-    `edges` and `places` (3,) are the sums of the squares of two edges and of the first corner, `terms`, `size` and
-    `rest` those of the magnitudes of the three terms of d, of d, and of its remainder; `far` (2,) has the largest
-    magnitudes of the two coordinates that a shear changes.
+    `edges` (3,) are the sums of the squares of two edges, `size` that of the magnitudes of d; `far` (2,) has the
+    largest magnitudes of the two coordinates that a shear changes.
     """
 
     grid: Grid
     high: list[float]
     low: list[float]
     edges: list[float]
-    places: list[float]
-    terms: float
     size: float
-    rest: float
     far: list[float]
 
     @classmethod
     def of(cls, grid: Grid, added: list[float], far: list[float]) -> FineSums:
-        """Name the sums (29,) of the columns."""
-        terms, size, rest = added[26:29]
-        return cls(grid, added[:10], added[10:20], added[20:23], added[23:26], terms, size, rest, far)
+        """Name the sums (24,) of the columns."""
+        return cls(grid, added[:10], added[10:20], added[20:23], added[23], far)
 
 
 def grid_for(origin: Sequence[float], low: Sequence[float], high: Sequence[float], largest: float) -> Grid | None:
@@ -212,13 +208,13 @@ class Sample:
 def grid_again(low: Float, high: Float, sums: FineSums) -> Grid | None:
     """Return the grid for triangles in this box whose sums are on a grid that does not suit them."""
     before = sums.grid.shear
-    grid = grid_for(sums.grid.origin, low.tolist(), high.tolist(), 4.0 * sums.terms)
+    grid = grid_for(sums.grid.origin, low.tolist(), high.tolist(), 4.0 * sums.size)
     if grid is None or before is None:
         return grid
     reach = np.maximum(high - grid.origin, grid.origin - low)
     reach[list(before.axes[1:])] = sums.far
     return _checked(
-        replace(grid, unit=_unit(reach.tolist(), 4.0 * sums.terms), shear=_on_steps(before, grid.steps, reach))
+        replace(grid, unit=_unit(reach.tolist(), 4.0 * sums.size), shear=_on_steps(before, grid.steps, reach))
     )
 
 

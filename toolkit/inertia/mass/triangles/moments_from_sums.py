@@ -137,14 +137,14 @@ def fine_values(sums: Sums) -> tuple[Over, list[float]] | None:
         return None
     cube = prod(grid.finer)
     squares = [k / step**2 for k, step in zip(fine.edges, grid.finer, strict=True)]
-    long = [sqrt(2.0 * count * square) for square in squares]
-    edges = sum(long)
-    places = [sqrt(k) / step for k, step in zip(fine.places, grid.finer, strict=True)]
-    arms = sum(places[i] * sqrt(5.0 * (squares[i - 2] + squares[i - 1] + 4.0 * count)) for i in range(3))
-    unit, terms, total, rest = (k / cube for k in (grid.unit, fine.terms, fine.size, fine.rest))
+    edges = sum(sqrt(2.0 * count * square) for square in squares)
+    arms = sum(far[i] * sqrt(5.0 * count * (squares[i - 2] + squares[i - 1] + 4.0 * count)) for i in range(3))
+    unit, total = grid.unit / cube, fine.size / cube
     steps = unit * count
-    if not 1.001 * terms + 4.0 * steps <= 2.0**BITS * unit:
+    if not max(1.001 * total + 4.0 * steps, 24.1 * prod(far)) <= 2.0**BITS * unit:
         return None
+    normals = sum(sqrt(squares[i - 2] * squares[i - 1]) for i in range(3))
+    rest = 1.001 * (arms + 0.5 * normals + edges + 3.0 * count + 1.5 * steps)
     off = 12.1 * arms + 4.1 * max(far) * edges + 7.0 * (edges + 3.0 * count) + 14.0 * steps
     if grid.shear is not None:
         lengths = [sqrt(square) + sqrt(2.0 * count) for square in squares]

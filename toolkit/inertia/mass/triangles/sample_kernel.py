@@ -12,7 +12,7 @@ LOW, HIGH, MEAN, PRODUCTS, LARGEST, PLAIN, ABOUT, STEPS, UNIT, COLUMNS = 0, 3, 6
 """Places of the extents, of the mean of the corners, of ∑x xᵀ about it (xx, yy, zz, yz, zx, xy), of the largest sum of
 the magnitudes of the terms of d, of whether there is a grid that suits, and of that: origin, steps, the step of d."""
 
-REACH, AMPLE, LAST_BIT, WORTHWHILE = 1.6 * 2.0**24, 64.0, 2.0**-50, 32.0  # as `fine_sums` has them
+REACH, AMPLE, LAST_BIT, WORTHWHILE = 1.6 * 2.0**24, 128.0, 2.0**-50, 32.0  # as `fine_sums` has them
 SMALLEST, LARGEST_SIZE = 2.0**-90, 2.0**90
 
 

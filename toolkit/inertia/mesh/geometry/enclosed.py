@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,7 +106,7 @@ def all_outward(triangles: Triangles, labels: NDArray[np.int32], count: int) -> 
     return bool((sure & (squares > _TINY)).all())
 
 
-def chunks(triangles: Triangles, labels: NDArray[np.int32]) -> Iterator[tuple[slice, int, int, int, int, int]]:
+def chunks(triangles: Triangles, labels: NDArray[np.integer[Any]]) -> Iterator[tuple[slice, int, int, int, int, int]]:
     """Yield the triangles chunk by chunk: which they are, and where vertices, faces and labels lie, with numbers."""
     surface = triangles if isinstance(triangles, Surface) else None
     size = triangles.count if type(triangles) is Surface else _CACHED  # whatever has its arrays in memory is one chunk

@@ -57,6 +57,7 @@ LOOKS, ANYWAY = 64, 1 << 18  # how often the triangles of a shell are looked at;
 _CLEAR = 2e-10  # of another shell, over the size of the part: what is nearer is not asked by rays
 _LEAST_BITS = 3  # so that differences of places are below the kernel's FAR
 _IN_RANGE = 100  # powers of two, of sizes whose products are far from the ends of float64
+_MOSTLY = 0.75  # of the triangles, above which all are looked at
 _POINTS = 2  # in a cell of those by which they are looked up, about
 
 
@@ -267,20 +268,29 @@ def _suspects(
         within |= nearby[labels] & (labels >= 0)
         meeting |= nearby
     # Each region is a family of its own: the shell around it, as far as it is near, and what meets there in it.
-    inside, around = np.flatnonzero(within), np.flatnonzero(near)
-    if len(inside) == triangles.count and not len(around):
-        own = triangles
+    if twice := (within & near).any():
+        asked = np.concatenate([np.flatnonzero(within), np.flatnonzero(near)])
+        around = np.arange(len(asked)) >= np.count_nonzero(within)
     else:
-        own = triangles.select(np.concatenate([inside, around]))
+        asked = np.flatnonzero(within | near)
+        around = near[asked] != 0
+    shell = labels[asked]
     base = np.arange(1, count + 1) * (count + 1)
     place = np.empty(count, np.int64)
     place[order] = np.arange(1, count + 1) + (parent[order] + 1) * (count + 1)
-    shells = np.flatnonzero(np.bincount(labels[around], minlength=count))
+    shells = np.flatnonzero(np.bincount(shell[around], minlength=count))
     keys = np.concatenate([place[meeting], base[shells]])
     ranked = np.argsort(keys)
     keys, whose = keys[ranked], np.concatenate([np.flatnonzero(meeting), shells])[ranked]
-    groups = np.concatenate([np.searchsorted(keys, k)[labels[which]] for k, which in ((place, inside), (base, around))])
-    pairs = touching_groups(own, groups, keys // (count + 1), few=True)
+    groups = np.where(around, np.searchsorted(keys, base)[shell], np.searchsorted(keys, place)[shell])
+    family = keys // (count + 1)
+    if twice or len(asked) < _MOSTLY * triangles.count:
+        own = triangles.select(asked)
+    else:  # what is not asked for is a family of its own, as to copy the rest takes longer
+        own, every = triangles, np.full(triangles.count, len(keys))
+        every[asked] = groups
+        groups, family = every, np.append(family, count + 1)
+    pairs = touching_groups(own, groups, family, few=True)
     return None if pairs is None else np.unique(whose[pairs])
 
 

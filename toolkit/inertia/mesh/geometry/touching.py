@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Float, Int, distinct_pairs
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
+from inertia.mesh.geometry.common_cells import in_common_cells
 from inertia.mesh.geometry.intersect import CompiledTree
 from inertia.mesh.surface import Triangles
 from inertia.native import Kernel
@@ -68,6 +69,10 @@ def touching_groups(triangles: Triangles, groups: Int, family: Int, *, few: bool
         return np.empty((0, 2), np.int64)
     if not FIND.worthwhile(_WORK * len(groups)):
         return None
+    if (near := in_common_cells(triangles, groups, family)) is not None:
+        triangles, groups = triangles.select(near), groups[near]
+        if len(near) == 0:
+            return np.empty((0, 2), np.int64)
     tree = CompiledTree.over(triangles, groups)
     if tree is None:
         return None
