@@ -143,6 +143,16 @@ def test_links_without_anything_are_unjudged(props: inertia.MassProperties, audi
     assert audit.verdict == "undecided"
 
 
+@pytest.mark.parametrize("beside", ["", '<box size="1 1 1"/></geometry></collision><collision><geometry>'])
+def test_what_collides_and_cannot_be_weighed_is_named(
+    beside: str, props: inertia.MassProperties, audited: Callable[..., Audit]
+) -> None:
+    stated = inertial(props.mass, props.center_of_mass, props.inertia)
+    (only,) = audited(link("a", stated, collision=f"{beside}{mesh('none.stl')}")).links
+    assert (only.state, [each.code for each in only.findings]) == ("unjudged", ["mesh_unusable"])
+    assert only.findings[0].sentence.startswith("none.stl: there is no such file")
+
+
 @pytest.mark.parametrize(
     ("shape", "mass", "moments"),
     [

@@ -4,7 +4,9 @@ import gzip
 import hashlib
 import importlib.util
 import io
+import math
 import os
+import re
 import signal
 import sys
 import tarfile
@@ -115,6 +117,14 @@ def test_the_check_of_a_file_is_a_row() -> None:
     assert bad["message"].startswith("open: ")
 
 
+def test_what_the_orientation_forgives_is_no_error_of_a_row() -> None:
+    turned = path("broken/inside_out.stl")
+    for orientation, fit, errors in (("stored", False, 1), ("absolute", True, 0)):
+        (row,) = rows(turned, verb="check", orientation=orientation)
+        assert (row["fit"], row["errors"], row["findings"]) == (fit, errors, "inward")
+        assert (row["message"] is None) is fit
+
+
 def test_the_audit_of_a_robot_is_a_row() -> None:
     (row,) = rows(path("robots/arm.urdf"), verb="audit")
     audit = inertia.audit(path("robots/arm.urdf"))
@@ -130,6 +140,18 @@ def test_the_audit_of_a_robot_without_its_meshes_says_why_it_is_undecided(tmp_pa
     (row,) = rows(tmp_path / "arm.urdf", verb="audit")
     assert (row["verdict"], row["exit_code"]) == ("undecided", 4)
     assert row["message"] == "base: t_handle.stl: there is no such file"
+
+
+def test_the_first_note_of_an_audit_that_finds_nothing_is_its_message(tmp_path: Path) -> None:
+    box = '<box size="1 1 1"/>'
+    (tmp_path / "a.urdf").write_text(
+        '<robot name="r"><link name="a"><inertial><mass value="6"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0"'
+        f' iyz="0"/></inertial><visual><geometry>{box}</geometry></visual></link><joint name="j" type="fixed">'
+        '<parent link="a"/><child link="a"/></joint></robot>'
+    )
+    (row,) = rows(tmp_path / "a.urdf", verb="audit")
+    assert (row["verdict"], row["exit_code"]) == ("consistent", 0)
+    assert row["message"] == inertia.audit(tmp_path / "a.urdf").robot.notes[0]
 
 
 @pytest.mark.parametrize(
@@ -151,9 +173,40 @@ def test_the_balance_of_a_rotor_is_a_row() -> None:
     assert row["static_gmm"] == pytest.approx(abs(balance.initial.static) * 1e6, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("mass", "service", "verdict", "says"),
+    [
+        ("0.001", "", "pass", "plane A: .*: PASS"),
+        ("0.006", "", "fail", "plane B: 59.4 .*: FAIL"),  # 6 g, 10 mm from the axis, at 0.99 of the span
+        ('"0.0010±0.0006"', "", "undecided", "plane B: .*: UNDECIDED"),
+        ("0.001", "critical_rpm = 3500", "undecided", r"the speed is 0\.857 of the critical one"),
+    ],
+)
+def test_the_row_of_a_rotor_says_what_decides(mass: str, service: str, verdict: str, says: str, tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text(
+        'schema = 1\nunit = "mm"\n[[part]]\nname = "disc"\nshape = "cylinder"\nsize = [80, 40]\nmass = 1.0\n'
+        f'[[part]]\nname = "screw"\nshape = "point"\nat = [10, 0, 49]\nmass = {mass}'
+    )
+    (tmp_path / "r.toml").write_text(
+        'schema = 1\nunit = "mm"\nassembly = "a.toml"\n[axis]\nbearing_a = [0, 0, -50]\nbearing_b = [0, 0, 50]\n'
+        f"[service]\nrpm = 3000\n{service}\n[tolerance]\ngrade = 6.3"
+    )
+    (row,) = rows(tmp_path / "r.toml", verb="balance")
+    assert row["verdict"] == verdict
+    assert re.match(says, row["message"])
+
+
+def test_the_row_of_a_rotor_within_tolerance_as_planned_alone_says_so(tmp_path: Path) -> None:
+    rotor = path("rotors/two_disc_rotor.toml").read_text().replace("../", f"{path('cube.stl').parent}/")
+    (tmp_path / "shop.toml").write_text(f"{rotor}[uncertainty]\ndepth = 3\nangle = 15\n")
+    (row,) = rows(tmp_path / "shop.toml", verb="balance")
+    assert row["verdict"] == "conditional"
+    assert row["message"].startswith("as made, ")
+
+
 def test_a_plan_that_was_cut_short_says_so() -> None:
     (row,) = rows(path("rotors/overhung_impeller.toml"), verb="balance", time=1e-9)
-    assert row["message"].startswith("plane A: ")
+    assert row["message"].startswith(("plane ", "as made, "))
     assert row["message"].endswith("the best that was found in the time that it was given")
 
 
@@ -252,10 +305,11 @@ def test_what_a_row_says_of_its_mass_takes_the_place_of_what_is_said_for_all(tmp
     assert (steel["density_from"], weighed["mass"], common["density"]) == ("material", 2.0, 5.0)
 
 
-def test_a_manifest_may_be_parquet(tmp_path: Path) -> None:
+@pytest.mark.parametrize("missing", [None, math.nan])
+def test_a_manifest_may_be_parquet(missing: float | None, tmp_path: Path) -> None:
     pyarrow = pytest.importorskip("pyarrow")
     parquet = pytest.importorskip("pyarrow.parquet")
-    table = pyarrow.table({"path": [str(CUBE), str(HANDLE)], "density": [1.0, None], "material": [None, "steel"]})
+    table = pyarrow.table({"path": [str(CUBE), str(HANDLE)], "density": [1.0, missing], "material": [None, "steel"]})
     parquet.write_table(table, tmp_path / "manifest.parquet")
     cube, handle = rows(tmp_path / "manifest.parquet")
     assert cube["density"] == 1.0
@@ -410,7 +464,7 @@ def test_a_file_that_takes_too_long_has_a_row_that_says_so(bad: Path, monkeypatc
     assert (late["state"], late["exit_code"]) == ("timed_out", 4)
     assert "it took longer than the 4 s that a file may take" in late["message"]
     assert late["message"].endswith("allow it more by timeout=SECONDS")
-    assert late["sha256"] is None  # how far hashing comes depends on the load
+    assert late["sha256"] == hashlib.sha256(bad.read_bytes()).hexdigest()
     assert 4.0 < late["seconds"] < 60.0
     assert before["state"] == after["state"] == "answered"
 
@@ -429,6 +483,23 @@ def _never_hashed(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_file_that_nothing_is_known_of_in_time_is_asked_for_again(bad: Path) -> None:
     late = Setup("analyse", timeout=0.1).failed(Task(str(bad)), "timed_out", "it took longer than the 0.1 s")
+    assert [file.unchanged for file in late.files] == [False]
+
+
+def test_hashing_what_took_too_long_waits_no_longer_than_mounts_take(
+    bad: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("inertia.batching.answer.MOUNT", 0.1)
+    _never_hashed(monkeypatch)
+    late = Setup("analyse").failed(Task(str(bad)), "timed_out", "it took longer", 1.0, bad.stat())
+    assert (late.row["state"], late.row["sha256"]) == ("timed_out", None)
+
+
+def test_what_changed_meanwhile_is_not_hashed(bad: Path) -> None:
+    before = bad.stat()
+    bad.write_bytes(HANDLE.read_bytes())
+    late = Setup("analyse").failed(Task(str(bad)), "crashed", "it died", 1.0, before)
+    assert late.row["sha256"] is None
     assert [file.unchanged for file in late.files] == [False]
 
 
@@ -498,6 +569,7 @@ def test_a_file_whose_process_dies_twice_has_a_row_and_all_others_too(
     before, dead, after = rows(CUBE, bad, HANDLE)
     assert (dead["state"], dead["exit_code"]) == ("crashed", 1)
     assert "died (signal 9), and so did the second one" in dead["message"]
+    assert dead["sha256"] == hashlib.sha256(CUBE.read_bytes()).hexdigest()
     assert dead["seconds"] > 0
     assert before["state"] == after["state"] == "answered"
 

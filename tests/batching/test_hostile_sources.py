@@ -506,6 +506,22 @@ def test_a_glob_in_a_chained_url_is_one_for_the_files_in_the_chain(tmp_path: Pat
     assert [row["mass"] for row in every] == [HANDLE_MASS, CUBE_MASS]
 
 
+@pytest.mark.parametrize("chain", ["simplecache::file://", "simplecache::zip://a.stl::file://"])
+def test_a_chained_url_may_begin_with_a_protocol_alone(chain: str, tmp_path: Path) -> None:
+    pytest.importorskip("fsspec")
+    (tmp_path / "a.stl").write_bytes(CUBE)
+    file = zipped(tmp_path / "a.zip", {"a.stl": CUBE}) if "zip" in chain else tmp_path / "a.stl"
+    (row,) = rows(f"{chain}{file}")
+    assert (row["path"], row["state"], row["mass"]) == (f"{chain}{file}", "answered", CUBE_MASS)
+
+
+def test_a_chain_that_cannot_be_listed_comes_with_a_remedy(tmp_path: Path) -> None:
+    pytest.importorskip("fsspec")
+    (tmp_path / "a.zip").write_bytes(CUBE)
+    with pytest.raises(inertia.ReadError, match=r"cannot be listed: .*: copy the files to this machine, or name each$"):
+        rows(f"zip://*.stl::file://{tmp_path}/a.zip")
+
+
 @pytest.mark.parametrize("name", ["=x", "'=x", "'' =x", "''-x", "'-1", "-1", "'x", "'' '=x", "＝x"])
 def test_text_in_a_table_reads_back_as_itself(name: str) -> None:
     assert cell_text(csv_text([[name]]).removesuffix("\n")) == name

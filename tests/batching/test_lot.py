@@ -2,11 +2,12 @@
 
 import json
 import math
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy import stats
+from scipy import integrate, stats
 
 from inertia.batching.lot import Lot, Magnitude
 from inertia.batching.summary import Summary
@@ -36,6 +37,36 @@ def test_the_share_above_a_limit_is_that_of_draws_where_both_deviations_differ()
     random = np.random.default_rng(0)
     x, y = random.normal(0.3, 0.5, 10**6), random.normal(-0.2, 0.1, 10**6)
     assert magnitude((0.3, -0.2), (0.5, 0.1)).above(0.8) == pytest.approx((np.hypot(x, y) > 0.8).mean(), abs=2e-3)
+
+
+@pytest.mark.parametrize("mean", [(0.5, 0.6), (0.0, 0.95), (0.3, -0.8), (2.0, 1.0)])
+@pytest.mark.parametrize("ratio", [0.0, 1e-6, 0.005, 0.02, 0.3])
+def test_the_share_above_a_limit_is_exact_where_one_deviation_is_small_or_nothing(
+    mean: tuple[float, float], ratio: float
+) -> None:
+    a, b = mean
+    along = stats.norm(a, 0.1)
+
+    def beyond(z: float) -> float:
+        """Return the share above the limit where the other component is z deviations from its mean."""
+        reach = math.sqrt(max(0.0, 1.0 - (b + 0.1 * ratio * z) ** 2))
+        return float(along.cdf(-reach) + along.sf(reach))
+
+    exact = beyond(0.0)
+    if ratio:
+        tips = [(k - b) / (0.1 * ratio) for k in (-1.0, 1.0)]
+        points = sorted([*range(-9, 10), *(k for k in tips if abs(k) < 9)])
+        pieces = (
+            integrate.quad(lambda z: stats.norm.pdf(z) * beyond(z), *ends, epsabs=1e-13) for ends in pairwise(points)
+        )
+        exact = math.fsum(piece for piece, _ in pieces)
+    assert magnitude(mean, (0.1, 0.1 * ratio)).above(1.0) == pytest.approx(exact, abs=1e-10)
+
+
+def test_the_index_of_what_varies_in_one_direction_is_that_of_a_folded_normal() -> None:
+    a, b, s = 0.5, 0.6, 0.1
+    middle, upper = (math.hypot(b, stats.foldnorm(a / s, scale=s).ppf(share)) for share in (0.5, 0.99865))
+    assert magnitude((a, b), (s, 0.0)).ppk == pytest.approx((1 - middle) / (upper - middle), rel=1e-6)
 
 
 def test_the_index_is_that_of_quantiles() -> None:

@@ -1,15 +1,20 @@
 """What an earlier run has answered counts only where nothing that it rests on has changed."""
 
+import errno
+import gzip
 import hashlib
 import json
 import os
+import re
 import shutil
 import zipfile
 from contextlib import closing
 from pathlib import Path
+from typing import IO, Any
 
 import pytest
 
+import inertia
 from inertia.batching.answer import Answer, Setup, answer
 from inertia.batching.sources import Task
 from inertia.batching.table import Parts
@@ -45,6 +50,44 @@ def test_a_file_that_could_not_be_read_is_read_again(name: str, tmp_path: Path) 
     assert Parts(folder, setup).answer(Task(str(file))) is None
 
 
+def packed(folder: Path) -> Task:
+    zipped(folder / "x.zip", CUBE)
+    return Task(f"{folder}/x.zip/a.stl", {}, f"{folder}/x.zip", "a.stl")
+
+
+def test_what_found_no_folder_for_temporary_files_is_asked_for_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    task, setup, folder = packed(tmp_path), Setup("analyse"), tmp_path / "a.csv.parts"
+    monkeypatch.setenv("TMPDIR", str(tmp_path / "none"))
+    row = kept(task, setup, folder).row
+    assert (row["state"], row["exit_code"]) == ("unreadable", inertia.WriteError.exit_code)
+    assert f"TMPDIR is {tmp_path}/none" in row["message"]
+    assert Parts(folder, setup).answer(task) is None
+
+
+@pytest.mark.parametrize("kind", ["member", "url", "gzip"])
+def test_a_full_disk_of_temporary_files_is_not_put_down_to_the_file(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("fsspec")
+
+    opened = Path.open
+
+    def full(file: Path, mode: str = "r", *others: object, **more: object) -> IO[Any]:
+        if isinstance(file, Path) and "x" not in mode:
+            return opened(file, mode, *others, **more)  # type: ignore[call-overload]
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Path, "open", full)
+    monkeypatch.setattr("fsspec.implementations.local.LocalFileSystem.get_file", full)
+    (tmp_path / "b.stl.gz").write_bytes(gzip.compress(CUBE.read_bytes()))
+    task = {"member": packed(tmp_path), "url": Task(CUBE.as_uri()), "gzip": Task(f"{tmp_path}/b.stl.gz")}[kind]
+    row = answer(task, Setup("analyse")).row
+    assert (row["state"], row["exit_code"]) == ("unreadable", 3)
+    assert re.fullmatch(r"cannot read .*: there is no room for temporary files: .*TMPDIR.*", row["message"])
+
+
 def test_what_is_behind_a_url_is_asked_for_again(tmp_path: Path) -> None:
     pytest.importorskip("fsspec")
     file, setup, folder = tmp_path / "x.stl", Setup("analyse"), tmp_path / "a.csv.parts"
@@ -68,6 +111,29 @@ def test_a_mesh_of_a_robot_that_comes_or_changes_is_noticed(there: bool, tmp_pat
     assert Parts(folder, setup).answer(task) is not None or first.row["state"] == "unreadable"
     shutil.copy(BOX, mesh)
     os.utime(mesh, (1, 1))
+    assert Parts(folder, setup).answer(task) is None
+
+
+@pytest.mark.parametrize("arc", ["(subLayers = [@b.usda@])", 'def "x" (references = @b.usda@) {}', "packed"])
+def test_a_layer_of_a_stage_that_changes_is_noticed(arc: str, tmp_path: Path) -> None:
+    """One that lies beside it, or within one in a package."""
+    pytest.importorskip("pxr")
+    from pxr import UsdUtils
+
+    inner, stage, setup, folder = tmp_path / "b.usda", tmp_path / "a.usda", Setup("audit"), tmp_path / "a.csv.parts"
+    inner.write_text(
+        '#usda 1.0\n(defaultPrim = "b")\ndef "b" (prepend apiSchemas = ["PhysicsMassAPI"]) {\nfloat physics:mass = 1\n}'
+    )
+    if arc == "packed":
+        UsdUtils.CreateNewUsdzPackage(str(inner), str(inner := tmp_path / "b.usdz"))
+        arc = "(subLayers = [@b.usdz@])"
+    stage.write_text(f"#usda 1.0\n{arc}")
+    task = Task(str(stage))
+    first = kept(task, setup, folder)
+    assert {each.path for each in first.files} == {str(stage), str(inner)}
+    assert Parts(folder, setup).answer(task) is not None
+    inner.write_bytes(inner.read_bytes().replace(b"mass = 1", b"mass = 2"))
+    os.utime(inner, (1, 1))
     assert Parts(folder, setup).answer(task) is None
 
 

@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -174,6 +175,13 @@ def test_an_uncertainty_that_leaves_the_mass_is_told(tmp_path: Path, capsys: pyt
         Path(file).write_text(f"{part}\ncenter_of_mass_uncertainty = {k}\n", encoding="utf-8")
     assert main(["budget", "--diff", *files]) == 0
     assert capsys.readouterr().out.endswith("  its uncertainty\n")
+
+
+def test_an_uncertainty_that_stays_is_not_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    sample, file = path("assemblies/cubesat.toml"), tmp_path / "heavier.toml"
+    file.write_text(sample.read_text().replace('mass = "0.038±0.002"', 'mass = "0.045±0.002"'))
+    assert main(["budget", "--diff", str(sample), str(file)]) == 0
+    assert re.search(r"(?m)^solar panel  changed .*e-05$", capsys.readouterr().out)
 
 
 @pytest.mark.parametrize(

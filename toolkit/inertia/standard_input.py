@@ -19,6 +19,8 @@ NAME = "-"
 DESCRIPTOR = 0
 """Of standard input, for `inertia.output.note_input`."""
 
+FULL = errno.ENOSPC, errno.EDQUOT
+"""What reading a file meets where it is unpacked, converted or copied for a while."""
 
 _REASONS = {
     errno.ENOENT: "there is no such file: check the path",
@@ -27,6 +29,9 @@ _REASONS = {
     errno.EACCES: "permission is denied: ask its owner to let you read it",
     errno.ELOOP: "it is a symbolic link that leads back to itself: point the link at a file",
     errno.ENAMETOOLONG: "the path is too long: check the path",
+    **dict.fromkeys(
+        FULL, "there is no room for temporary files: make room in their folder, or set TMPDIR to one on another disk"
+    ),
 }
 NO_FILE = _REASONS[errno.ENOENT]
 

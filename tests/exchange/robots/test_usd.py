@@ -241,11 +241,41 @@ def test_gaps_are_said(tmp_path: Path) -> None:
     assert "meshes are taken as their points have them: no subdivision is applied" in robot.notes
 
 
-def test_what_openusd_warns_of_is_a_note(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_what_openusd_warns_of_is_a_note_that_is_the_same_in_every_run(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
     file = tmp_path / "arm.usda"
-    file.write_text(STAGE.replace('def Mesh "brick"', 'def Mesh "brick" (references = @nix.usda@)'))
-    assert "OpenUSD warns: " in " ".join(read_robot(file).notes)
+    arcs = [f'def "w{k}" (references = [</nix>, </arm/base>]) {{}}' for k in range(8)]
+    file.write_text(STAGE.replace('def Mesh "brick"', "\n".join([*arcs, 'def Mesh "brick"'])))
+    said = [note for note in read_robot(file).notes if note.startswith("OpenUSD warns: ")]
+    assert len(said) == 16  # nothing is called so, and a prim that would hold itself
+    assert said == sorted(said)
+    assert "0x" not in "".join(said)
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("(\n    defaultPrim", "(\n    subLayers = [@./nix.usda@]\n    defaultPrim"),
+        ('def Mesh "brick"', 'def "bolt" (references = @./nix.usda@) {}\ndef Mesh "brick"'),
+        ('def Mesh "brick"', 'over "bolt" (payload = @./nix.usda@) {}\ndef Mesh "brick"'),
+        ('def Mesh "brick"', 'def "bolt" (references = @./there.usda@\ninstanceable = true) {}\ndef Mesh "brick"'),
+    ],
+)
+def test_what_a_stage_refers_to_has_to_be_there_where_it_is_active(tmp_path: Path, old: str, new: str) -> None:
+    file, stage = tmp_path / "arm.usda", STAGE.replace(old, new, 1)
+    there = '#usda 1.0\n(defaultPrim = "a")\ndef "a" {\ndef "b" (references = @./nix.usda@) {}\n}'
+    (tmp_path / "there.usda").write_text(there)
+    file.write_text(stage)
+    with pytest.raises(inertia.ReadError, match=rf"cannot read {file}: OpenUSD says: .*{tmp_path}/nix.usda@.*put a "):
+        read_robot(file)
+    if "bolt" in new:
+        file.write_text(stage.replace("usda@", "usda@\nactive = false", 1))
+        assert read_robot(file).notes
+    (tmp_path / "nix.usda").write_text('#usda 1.0\n(defaultPrim = "b")\ndef "b" {}')
+    file.write_text(stage)
+    assert not any("OpenUSD" in note for note in read_robot(file).notes)
 
 
 @pytest.mark.parametrize(

@@ -83,12 +83,17 @@ class Comparison:
     limits: tuple[tuple[Limit | None, Limit | None], ...]
 
     @property
+    def rounding(self) -> Float:
+        """What is rounding in the figures of `Own.spread`, (11,)."""
+        whole = _all(self.old.total)
+        return _least(whole.mass, float(np.abs(whole.tensor).max()))
+
+    @property
     def is_as_sure(self) -> bool:
         """Whether the figures of both wholes have the same standard uncertainties, and vary together as much."""
         a, b = (each.total.sigma for each in (self.old, self.new))
-        whole = _all(self.old.total)
         u = np.maximum(a.all, b.all)
-        off = _least(whole.mass, float(np.abs(whole.tensor).max())) + SPREAD * u
+        off = self.rounding + SPREAD * u
         nothing = np.outer(u + off, u + off) - np.outer(u, u)
         return bool((np.abs(a.changes.T @ a.changes - b.changes.T @ b.changes) <= nothing).all())
 

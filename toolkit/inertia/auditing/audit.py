@@ -235,7 +235,8 @@ def _subject(link: Link, scales: Scales, densities: float | Mapping[str, float] 
         substitute = bool(by_role["visual"])
         return Subject(link.name, stated, collision, (), weights, (), notes, substitute, link.fault)
     weights = _weights(by_role["visual"], densities)
-    return Subject(link.name, stated, visual, collision, weights, obstacles.blocking, obstacles.notes, fault=link.fault)
+    blocking = obstacles.blocking if by_role["visual"] else others.blocking
+    return Subject(link.name, stated, visual, collision, weights, blocking, obstacles.notes, fault=link.fault)
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from inertia.batching.columns import COLUMNS, State
 from inertia.batching.sources import Task, local_copy
-from inertia.errors import GeometryError, InertiaError, ReadError, Remedy, Sentence, Wording, visible
+from inertia.errors import GeometryError, InertiaError, ReadError, Remedy, Sentence, Wording, WriteError, visible
 from inertia.mesh.external.memory import in_bytes
 from inertia.mesh.version import CHANGED, sha256_of, state_of
 from inertia.output import inputs_noted, status_of
@@ -32,8 +32,12 @@ T = TypeVar("T")
 _FAULT = 1  # the exit code where the process that answers dies
 READ = ("unit", "format", "unpack_limit")
 WEIGHED = ("density", "material", "mass")  # which say the same in different ways
+_SLOWEST = 1e7  # bytes that a mount reads each second, at least
 _MEMORY = Remedy("batch", "memory", "BYTES")
 _TIMEOUT = Remedy("batch", "timeout", "SECONDS")
+
+MOUNT = 60.0
+"""s that a mount may take to answer where a file that had no answer is hashed."""
 
 
 @dataclass(frozen=True)
@@ -62,11 +66,18 @@ class Setup:
         return {**common, **task.options}
 
     def failed(
-        self, task: Task, state: State, why: str, seconds: float | None = None, before: os.stat_result | None = None
+        self,
+        task: Task,
+        state: State,
+        why: str,
+        seconds: float | None = None,
+        before: os.stat_result | None = None,
+        folder: str = "",
     ) -> Answer:
         """Return the row of a file that the process which answered for it did not survive, or not in time.
 
-        It is not hashed: how far that comes depends on the load. `before` is what the file was when it was its turn.
+        `before` is what the file, relative to the folder, was when it was its turn. It is hashed, whatever the load;
+        not where a mount hangs, nor where it lies in an archive.
         """
         words: tuple[str | Remedy, ...] = (visible(task.path), ": ", why)
         if state == "timed_out":
@@ -78,8 +89,14 @@ class Setup:
             "message": Sentence(*words).worded(self.wording),
             "seconds": seconds,
         }
-        size, time_ns = (None, None) if before is None else (before.st_size, before.st_mtime_ns)
-        return Answer(row, (Used(task.file, size, time_ns, None),))
+        size, time_ns, digest = None, None, None
+        if before is not None:
+            size, time_ns = before.st_size, before.st_mtime_ns
+            if not task.archive:
+                patience = MOUNT + size / _SLOWEST
+                name, kept = os.fspath(Path(folder, task.file)), state_of(before)
+                row["sha256"] = digest = within(patience, lambda: _digest_if(name, kept), None)
+        return Answer(row, (Used(task.file, size, time_ns, digest),))
 
     def empty(self, task: Task) -> Row:
         """Return a row of nothing but the path."""
@@ -149,7 +166,7 @@ def answer(task: Task, setup: Setup) -> Answer:
             row.update(state="answered", exit_code=0)
             _VERBS[setup.verb](file, options, row, worded)
         except InertiaError as error:
-            state: State = "unreadable" if isinstance(error, ReadError) else "refused"
+            state: State = "unreadable" if isinstance(error, ReadError | WriteError) else "refused"
             if setup.memory is not None and _for_memory(error):
                 failed(state, error.exit_code, *_beyond(file, setup.memory))
             else:
@@ -279,6 +296,13 @@ def _digest_as(name: str, state: tuple[int, ...]) -> str:
     return digest
 
 
+def _digest_if(name: str, state: tuple[int, ...]) -> str | None:
+    """Return the SHA-256 of a file; None where it is not in that state, or cannot be read."""
+    with suppress(OSError, ValueError, ReadError):
+        return _digest_as(name, state)
+    return None
+
+
 _Worded = Callable[[Sentence | str], str]
 
 
@@ -359,15 +383,15 @@ def _check(file: str, options: Mapping[str, Any], row: Row, worded: _Worded) -> 
     orientation = others.pop("orientation", "stored")
     report = check(part, **others)
     faults = report.faults(orientation)
-    first = next(iter(faults or report.findings), None)
-    severities = [finding.severity for finding in report.findings]
+    milder = [finding for finding in report.findings if finding.severity != "error"]
+    first = next(iter((*faults, *milder)), None)
     row.update(
         **{name: getattr(report, name) for name in ("triangles", "vertices", "closed", "consistent", "outward")},
         fit=not faults,
         bodies=report.bodies,
         crossings_examined=report.crossings_examined,
-        errors=severities.count("error"),
-        warnings=severities.count("warning"),
+        errors=len(faults),  # without those that the orientation forgives
+        warnings=[finding.severity for finding in milder].count("warning"),
         findings=" ".join(finding.code for finding in report.findings),
     )
     if first is not None:
@@ -402,6 +426,8 @@ def _audited(file: str, options: Mapping[str, Any], row: Row, worded: _Worded) -
     told = [link for link in links if link["state"] in to_blame and link["findings"]]
     if told:
         row["message"] = worded(f"{told[0]['name']}: {told[0]['findings'][0]['sentence']}")
+    elif document["notes"]:
+        row["message"] = worded(document["notes"][0])
 
 
 def _balance(file: str, options: Mapping[str, Any], row: Row, worded: _Worded) -> None:
@@ -413,7 +439,8 @@ def _balance(file: str, options: Mapping[str, Any], row: Row, worded: _Worded) -
     rotor = Rotor.load(file)
     if "time" in options:
         rotor = rotor.planned_in(options["time"])
-    document = balance_document(report_data(balance(rotor)))
+    data = report_data(balance(rotor))
+    document, outcomes = balance_document(data), [plane.outcome for plane in data.verdict.planes]
     verdict, scatter = document["verdict"], document["scatter"]
     code = {"pass": 0, "fail": 5, "undecided": 4, "conditional": 4}[verdict]
     if verdict == "conditional" and scatter["within"] is not None and scatter["within"] < 0.5:
@@ -442,8 +469,8 @@ def _balance(file: str, options: Mapping[str, Any], row: Row, worded: _Worded) -
         row[f"residual_95_{plane}_gmm"] = scatter["residual_95_gmm"][k]
     correction = document["correction"]
     hurried = [correction["why"]] if correction is not None and correction["cut_short"] else []  # as the load allowed
-    if why := [*document["why"][:1], *hurried]:
-        row["message"] = worded("; ".join(why))
+    decides = outcomes.index(verdict) if verdict in outcomes else -1  # a plane, or what is said behind both
+    row["message"] = worded("; ".join([document["why"][decides], *hurried]))
 
 
 _VERBS: dict[str, Callable[[str, Mapping[str, Any], Row, _Worded], None]] = {

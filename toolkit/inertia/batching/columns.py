@@ -30,7 +30,7 @@ def _truth(name: str, meaning: str) -> Column:
 
 FILE = (
     _text("path", "the file; of a mesh in an archive, the archive's path and its name there"),
-    _text("sha256", "of its contents; null where it could not be read, took too long, or ended its process"),
+    _text("sha256", "of its contents; null where it could not be read, or no answer came out of an archive"),
     _text("state", "answered, refused, unreadable, crashed or timed_out"),
     _count("exit_code", "of the command on this file alone"),
     _text("message", "why there is no answer, or what the answer has to say, in one sentence"),
@@ -72,7 +72,7 @@ CHECK = (
     _truth("outward", "null where there is no answer"),
     _count("bodies", "separate ones"),
     _truth("crossings_examined", "whether triangles that cross were looked for"),
-    _count("errors", "how many findings"),
+    _count("errors", "how many findings, without what the orientation forgives"),
     _count("warnings", "how many findings"),
     _text("findings", "their codes, the most important first"),
 )

@@ -22,6 +22,7 @@ from typing import NamedTuple, Protocol
 
 import inertia
 from inertia.batching.answer import Answer, Setup, within
+from inertia.batching.columns import State
 from inertia.batching.process import READY
 from inertia.batching.sources import Task
 from inertia.errors import InertiaError, Remedy
@@ -202,13 +203,16 @@ class _Worker:
         elif job.spent:
             how = f"signal {-code}" if code < 0 else f"exit code {code}"
             why = f"the process that answered for it died ({how}), and so did the second one: report the file"
-            yield job.number, self._setup.failed(job.task, "crashed", why, job.spent + took, job.before)
+            yield job.number, self._row_of(job, "crashed", why, job.spent + took)
         else:
             jobs.insert(0, job._replace(spent=took))
 
     def _timed_out(self, job: _Job, took: float) -> Answer:
         why = f"it took longer than the {self._setup.timeout:g} s that a file may take"
-        return self._setup.failed(job.task, "timed_out", why, took, job.before)
+        return self._row_of(job, "timed_out", why, took)
+
+    def _row_of(self, job: _Job, state: State, why: str, took: float) -> Answer:
+        return self._setup.failed(job.task, state, why, took, job.before, self._folder)
 
     def _as_they_are(self, bundle: Sequence[_Job]) -> list[_Job]:
         """Return files with what they are now, where that is known in time."""

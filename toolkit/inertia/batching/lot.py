@@ -33,7 +33,8 @@ _UPPER = 0.99865
 _SHOP = ("depth", "diameter", "radius", "z", "angle", "mass", "arc")
 _BETWEEN = "between rotors"
 _FEW = 100
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(120)
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+_DEVIATIONS = np.arange(-9.0, 10.0, 3.0)  # within which a normal density is smooth for so many nodes
 
 
 @dataclass
@@ -170,8 +171,9 @@ class Magnitude:
     def above(self, limit: float) -> float:
         """Return the probability of a length above a limit.
 
-        P(r ≤ R) = ∫ φ(x) [Φ((√(R² − x²) − b)/t) − Φ((−√(R² − x²) − b)/t)] dx along the larger deviation, by the rule of
-        Gauss with x = c + h sin θ, for which the ends are smooth.
+        P(r ≤ R) = ∫ φ(x) [Φ((√(R² − x²) − b)/t) − Φ((−√(R² − x²) − b)/t)] dx along the larger deviation s, by rules of
+        Gauss in x = R sin θ, for which the ends are smooth. They meet at multiples of s
+        and t, so that the integrand of each is smooth however small t is.
 
         >>> round(Magnitude(np.zeros(2), np.ones(2)).above(2.0), 9), round(math.exp(-2.0), 9)
         (0.135335283, 0.135335283)
@@ -182,15 +184,15 @@ class Magnitude:
         if s <= 1e-12 * limit:
             return float(math.hypot(a, b) > limit)
         t = max(t, 1e-9 * limit)
-        low, high = max(-limit, a - 9 * s), min(limit, a + 9 * s)
-        if low >= high:
-            return 1.0
-        angle = 0.5 * math.pi * _NODES
-        x = 0.5 * (low + high) + 0.5 * (high - low) * np.sin(angle)
-        half = np.sqrt(np.maximum(limit**2 - x**2, 0.0))
+        along = np.arcsin(np.clip((a + s * _DEVIATIONS) / limit, -1.0, 1.0))
+        across = np.arccos(np.clip((abs(b) + t * _DEVIATIONS) / limit, 0.0, 1.0))
+        ends = np.sort(np.clip([*-across, *along, *across], along[0], along[-1]))
+        widths = 0.5 * np.diff(ends)[:, None]
+        angle = ends[:-1, None] + widths * (1.0 + _NODES)
+        x, half = limit * np.sin(angle), limit * np.cos(angle)
         inside = ndtr((half - b) / t) - ndtr((-half - b) / t)
         density = np.exp(-0.5 * ((x - a) / s) ** 2) / (s * math.sqrt(2 * math.pi))
-        rule = 0.25 * math.pi * (high - low) * _WEIGHTS * np.cos(angle)
+        rule = widths * _WEIGHTS * half
         return min(1.0, max(0.0, 1.0 - float((rule * density * inside).sum())))
 
     def quantile(self, share: float) -> float:

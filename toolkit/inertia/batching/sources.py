@@ -24,11 +24,11 @@ from inertia.estimate import Estimate, relative_figure, scale_of
 from inertia.mesh.readers.compressed import ARCHIVE, UNPACK_LIMIT, is_packed, member_copy, meshes_in
 from inertia.mesh.readers.contents import alone
 from inertia.output import note_input, status_of, temporary_folder
+from inertia.standard_input import FULL, NO_FILE, reason_of
 from inertia.standard_input import NAME as STANDARD_INPUT
-from inertia.standard_input import NO_FILE, reason_of
 from inertia.tables import SUFFIXES, cell_text, load_pyarrow, read_table
 
-_URL = re.compile(r"[a-z][a-z0-9+.-]+::?//")
+_URL = re.compile(r"[a-z][a-z0-9+.-]+(?:::[a-z][a-z0-9+.-]+)*::?//")
 _SEPARATORS = os.sep + (os.altsep or "")
 _ANYWHERE = re.compile(rf"(?:^|(?<=[{re.escape(_SEPARATORS)}]))\*\*(?=[{re.escape(_SEPARATORS)}]|$)")
 PART = re.compile(r"[0-9a-f]{16}\.jsonl")
@@ -329,7 +329,8 @@ def _remote(pattern: str) -> list[str]:
         chain_behind = "".join(pattern.partition("://")[2].partition("::")[1:])  # as of zip://*.stl::https://...
         names = sorted(f"{system.unstrip_protocol(name)}{chain_behind}" for name in system.glob(path))
     except Exception as error:  # of whatever back end it is
-        raise ReadError(f"{visible(pattern)} cannot be listed: {visible(str(error))}") from None
+        says = f"{visible(pattern)} cannot be listed: {visible(str(error))}"
+        raise ReadError(f"{says}: copy the files to this machine, or name each") from None
     if not names:
         raise UsageError(f"{visible(pattern)} matches no file: check it")
     return names
@@ -384,8 +385,8 @@ def _rows(manifest: str, verb: str) -> Iterator[Task]:
         if name and is_csv:
             name = _file_of_cell(name, folder, where)
         for option, value in row.items():
-            if option == column or not option or option.startswith("#") or value in (None, ""):
-                continue
+            if option == column or not option or option.startswith("#") or value in (None, "") or value != value:
+                continue  # NaN is what many programs store where there is no number
             if option not in known:
                 raise UsageError(
                     f"{visible(manifest)}: column {visible(option)!r} is no option of {verb} ({', '.join(known)}): "
@@ -516,6 +517,8 @@ def local_copy(task: Task, unpack_limit: float | None = None) -> Iterator[str]:
                 says = f"cannot read {visible(task.path)}: there is no such file: check the URL"
                 raise ReadError(says, code="no_file") from None
             except Exception as error:  # of whatever back end it is
+                if isinstance(error, OSError) and error.errno in FULL:
+                    raise _unreadable(task.path, error) from None
                 says = visible(str(error)) or type(error).__name__
                 raise ReadError(f"cannot read {visible(task.path)}: {says}: check the URL and the network") from None
             yield str(path)

@@ -8,6 +8,7 @@ UsdPhysics: what is zero, or not finite for the centre of mass, counts as not gi
 from __future__ import annotations
 
 import importlib.util
+import re
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -38,6 +39,7 @@ from inertia.mesh.readers.contents import shown
 from inertia.mesh.tree import Matrix, diagonal, inverse, times
 from inertia.mesh.tree import Motion as Transform
 from inertia.mesh.turns import root
+from inertia.output import note_input
 from inertia.standard_input import NAME as STANDARD_INPUT
 from inertia.standard_input import file_of
 
@@ -48,6 +50,8 @@ _ONTO = {"X": [[0, 0, 1], [1, 0, 0], [0, 1, 0]], "Y": [[0, 1, 0], [0, 0, 1], [1,
 _ELSEWHERE = 1e-5  # m, and of a rotation: more than float32 rounds
 _WATER = 1000.0  # kg/m³, of what collides, where nothing else is said
 _LONGEST = 300  # characters of what OpenUSD says
+_PASSING = re.compile(r",?@anon:0x[0-9a-f]+:[^@]*@| \(instantiating stage on stage .*")
+"""Of what OpenUSD says, what has an address in memory."""
 _SKEW = 1e-6  # of their lengths: axes at right angles to this are so up to what float32 stored of their matrix
 
 
@@ -55,14 +59,21 @@ class _Stage:
     """A stage: its prims, those of instances too, where they lie, and its units."""
 
     def __init__(self, path: Path) -> None:
-        from pxr import Tf, Usd, UsdGeom, UsdPhysics, UsdUtils
+        from pxr import Ar, Tf, Usd, UsdGeom, UsdPhysics, UsdUtils
 
         self._diagnostics = UsdUtils.CoalescingDiagnosticDelegate()  # without it they go to standard error
         try:
             stage = Usd.Stage.Open(_file(path))
+            for layer in stage.GetUsedLayers():
+                if layer.realPath and layer != stage.GetRootLayer():  # of a package, the file
+                    note_input(Path(Ar.SplitPackageRelativePathOuter(layer.realPath)[0]))
+            stage.Reload()  # what has changed before it was noted
         except Tf.ErrorException as error:
-            says = " ".join(str(error).partition(" : '")[2].partition("'\n")[0].split())
-            raise ReadError(f"OpenUSD cannot open it: {says[:_LONGEST]}") from None
+            says = _said(str(error).partition(" : '")[2].partition("'\n")[0])
+            raise ReadError(f"OpenUSD cannot open it: {says}") from None
+        for words in sorted(_lost(stage)):
+            remedy = "put a stage there, or deactivate the prim that refers to it"
+            raise ReadError(f"OpenUSD says: {words}: {remedy}", code="no_file")
         self.physics, self.geometry, self.time = UsdPhysics, UsdGeom, Usd.TimeCode.EarliestTime()
         self.fault: type[Exception] = Tf.ErrorException
         self.metres = float(UsdGeom.GetStageMetersPerUnit(stage))
@@ -86,8 +97,9 @@ class _Stage:
 
     def warnings(self) -> Iterator[str]:
         """Yield what OpenUSD warned of, a sentence each."""
-        for warning in self._diagnostics.TakeUncoalescedDiagnostics():
-            yield f"OpenUSD warns: {' '.join(warning.commentary.split())[:_LONGEST]}"
+        said = (_said(warning.commentary) for warning in self._diagnostics.TakeUncoalescedDiagnostics())
+        for words in sorted(said):  # they come from several threads
+            yield f"OpenUSD warns: {words}"
 
     def prim(self, path: str) -> Any:
         """Return a prim by its path; None where there is none."""
@@ -123,6 +135,26 @@ class _Stage:
         if not np.isfinite(matrix).all():
             raise ReadError(f"the transformation of {prim.GetPath()} is not finite")
         return matrix[:3, :3].T, matrix[3, :3]
+
+
+def _said(words: str) -> str:
+    """Return what OpenUSD says, on one line that is the same in every run."""
+    return _PASSING.sub("", " ".join(words.split()))[:_LONGEST]
+
+
+def _lost(stage: Any) -> Iterator[str]:
+    """Yield what OpenUSD says of each sublayer, reference and payload of a stage that it cannot open.
+
+    What is not active has none.
+    """
+    from pxr import Pcp
+
+    for error in stage.GetCompositionErrors():
+        prim = stage.GetPrimAtPath(error.rootSite.path)
+        if isinstance(error, Pcp.ErrorInvalidAssetPath | Pcp.ErrorInvalidSublayerPath) and (
+            not prim or prim.IsActive()
+        ):
+            yield _said(str(error)).rstrip(".")
 
 
 def _file(path: Path) -> str:

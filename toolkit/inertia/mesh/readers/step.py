@@ -32,6 +32,7 @@ from inertia.mesh.shape import Shape
 from inertia.mesh.surface import Surface
 from inertia.mesh.tree import MeshNode, Motion, unique
 from inertia.output import temporary_folder
+from inertia.standard_input import FULL, reason_of
 from inertia.units import Unit, length_unit, multiple_of
 
 _LINEAR, _ANGULAR = 0.001, 0.05  # sag relative to the length of an edge, angle in radians
@@ -44,6 +45,7 @@ _SECONDS, _SECONDS_A_MB = 120, 120  # a torus, a file of 3 kB, takes 2 s
 _GIB, _GIB_A_MB = 4, 0.2  # it begins with 0.7 GiB, and takes some 40 times the size of a file
 _WAIT = 10  # times the processor time that may pass by the clock
 _EXHAUSTED = re.compile(rb"bad_alloc|OutOfMemory|MemoryError")
+_FULL = re.compile(rb"OSError: \[Errno (%s)\]" % b"|".join(b"%d" % number for number in FULL))
 _REFERENCE = re.compile(rb"\b(?:DOCUMENT_FILE|DCMFL)\b", re.IGNORECASE)
 _UNREAD = re.compile(
     rb"(?i)#\d+\s*=\s*(CSG_SOLID|(?:EXTRUDED|REVOLVED)_(?:AREA|FACE)_SOLID(?:_\w+)?|SWEPT_DISK_SOLID|SURFACE_CURVE_SWEPT_\w+"
@@ -223,6 +225,8 @@ def _convert(source: Path, folder: Path, coarser: float, size: float, *how: str)
             f"it may be damaged; export the part as STL or 3MF, or set {GIB} to more",
             code="too_large",
         )
+    if process.returncode and (full := _FULL.search(process.stderr)):
+        raise ReadError(reason_of(OSError(int(full[1]), "")))
     refusal = folder / "refusal.txt"
     if refusal.is_file():
         raise ReadError(refusal.read_text())

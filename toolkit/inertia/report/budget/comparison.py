@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from inertia.arrays import Float
 from inertia.assembly.compare import SPREAD, Change, Comparison, Own
 from inertia.report.budget.document import COLUMNS, limit_document, spread_document
 from inertia.report.budget.text import figure, limit_words
@@ -95,7 +96,7 @@ def _lines(comparison: Comparison) -> Iterator[str]:
         return
     heads = ("part", "", "qty", "kg", "+kg", f"x +{unit}", "y", "z", "+Ixx kg m²", "+Iyy", "+Izz", "")
     nothing = 1e-12 * float(np.abs(old.properties.inertia).max())
-    beside = (", ".join(_beside(each, metres, unit)) for each in comparison.changes)
+    beside = (", ".join(_beside(each, comparison.rounding, metres, unit)) for each in comparison.changes)
     rows = [
         heads,
         *((*_row(each, metres, nothing), more) for each, more in zip(comparison.changes, beside, strict=True)),
@@ -119,7 +120,7 @@ def _row(change: Change, metres: float, nothing: float) -> tuple[str, ...]:
     )
 
 
-def _beside(change: Change, metres: float, unit: str) -> Iterator[str]:
+def _beside(change: Change, rounding: Float, metres: float, unit: str) -> Iterator[str]:
     """Yield what else changed of a part that is in both."""
     old, new = change.old, change.new
     if old is None or new is None:
@@ -131,9 +132,10 @@ def _beside(change: Change, metres: float, unit: str) -> Iterator[str]:
         for (what, one, sign), was, now in zip(kinds, old.misplacement, new.misplacement, strict=True)
         if not math.isclose(was, now, rel_tol=SPREAD)
     ]
-    if not math.isclose(a[0], b[0], rel_tol=SPREAD):
+    differs = np.abs(a - b) > rounding + SPREAD * np.maximum(a, b)
+    if differs[0]:
         yield f"u {a[0]:.2g} → {b[0]:.2g} kg"
-    elif not misplaced and not np.allclose(a, b, rtol=SPREAD, atol=0.0):
+    elif not misplaced and differs.any():
         yield "its uncertainty"
     yield from misplaced
     for name in ("maturity", "category"):
