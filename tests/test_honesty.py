@@ -24,6 +24,12 @@ def test_the_claim_holds(kind: str) -> None:
     assert {each.outcome for each in verdicts} <= {"held", "refused", "undecided"}
 
 
+@pytest.mark.parametrize("number", [6011, 2029, 10762])
+def test_what_moments_about_a_far_point_are_rounded_by_is_in_the_claim(number: int) -> None:
+    """Those across the arm, 82 to 2e5 lengths of the body, are up to 1e11 times the smallest."""
+    assert judging.judge(case("nearly", 1, number)).outcome == "held"
+
+
 def test_a_claim_that_does_not_hold_shows(monkeypatch: pytest.MonkeyPatch) -> None:
     one = case("free", 0, 0)
     honest = judging.judge(one)

@@ -1,6 +1,8 @@
 """Budgets: uncertainties against differences of the exact sums and against draws, allowances, limits."""
 
 import math
+import re
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,8 @@ from inertia.assembly.budget import Budget
 from inertia.assembly.document import Assembly
 from inertia.assembly.limits import Limit
 from inertia.errors import ReadError, UsageError
+from inertia.report.budget.html import budget_html
+from inertia.report.budget.text import budget_text
 from inertia_meshes import assemblies, path
 
 HANDLE = str(path("t_handle.stl"))
@@ -165,6 +169,27 @@ def test_a_decimal_comma_in_a_bill_is_refused_with_what_to_write(text: str, line
     assert "as its mass, with a comma: write 1.5" in says
 
 
+@pytest.mark.parametrize(
+    ("delimiter", "cell", "says"),
+    [
+        (",", "1,500", "write 1500 if it parts thousands, else 1.500"),
+        ("\t", "12,500±0,010", "write 12.500±0.010, with a decimal point"),
+        (",", "12,500±1,000", "write 12500±1000 if it parts thousands, else 12.500±1.000"),
+        (";", "1,500", "write 1.500, with a decimal point"),
+        (",", "0,500", "write 0.500, with a decimal point"),
+        (",", "1500,250", "write 1500.250, with a decimal point"),
+        (";", "1,234,567", "write 1234567"),
+        (",", "1,234.5", "write 1234.5"),
+    ],
+)
+def test_a_comma_that_may_part_thousands_is_refused_with_both(delimiter: str, cell: str, says: str) -> None:
+    text = f'name{delimiter}shape{delimiter}mass\na{delimiter}point{delimiter}"{cell}"\n'
+    with pytest.raises(
+        ReadError, match=f"line 2 has '{re.escape(cell)}' as its mass, with a comma: {re.escape(says)}$"
+    ):
+        Assembly.loads(text, name="bill.csv")
+
+
 def test_a_bill_may_list_lists() -> None:
     text = "name;shape;size;at;material\nbox, large;box;[10,20,30];[1, 2, 0];steel\n"
     assert Assembly.loads(text, name="bill.csv").fields.part[0].name == "box, large"
@@ -300,6 +325,14 @@ def test_a_word_of_a_nested_file_is_refused_with_that_file(tmp_path: Path) -> No
         nested.budget()
 
 
+def test_an_allowance_above_the_mass_itself_is_said() -> None:
+    words = "its mass growth allowance is 1500 % of its basic mass: allowances are parts of it, 0.15 for 15 %"
+    by_part = budget_of(REST | {"allowance": 15})
+    by_table = budget_of(REST | {"category": "x", "maturity": "released"}, allowances={"x": {"released": 15}})
+    assert [whole.notes for whole in (by_part, by_table)] == 2 * [(f"rest: {words}",)]
+    assert budget_of(REST | {"allowance": 1}).notes == ()
+
+
 def test_a_row_without_maturities_says_so() -> None:
     with pytest.raises(UsageError, match="none, as that row is empty"):
         budget_of(REST | {"maturity": "released"}, allowances={"other": {}})
@@ -341,6 +374,41 @@ def test_what_equals_a_limit_in_decimals_is_within_it(
 ) -> None:
     points = [{"name": f"p{k}", "shape": "point", "mass": mass, "at": [k, 0, 0]} for k, mass in enumerate(masses)]
     assert budget_of(*points, limit=[{"what": what, **limit}]).verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("mass", "limit"),
+    [
+        (1.0, {"max": 0.9999999}),
+        (1.0, {"max": 1.0}),
+        (0.1, {"min": 0.1000000000001}),
+        (1234567.0, {"max": 1234568.0}),
+        ("0.9804001±0.01", {"max": 1.0}),
+        ("0.9804±0.01", {"max": 1.0}),
+        ("1.019601±0.01", {"max": 1.0}),
+        ("3±0.001", {"min": 3.00196, "max": 3.1}),
+        ("1±1e-14", {"max": 0.99999999999}),
+    ],
+)
+def test_figures_of_a_limit_say_what_its_verdict_says(mass: float | str, limit: dict[str, float]) -> None:
+    point = {"name": "p", "shape": "point", "mass": mass, "at": [0.74, 0, 0]}
+    whole = budget_of(point, limit=[{"what": "mass", **limit}])
+    (line,) = re.findall(r"Limit +mass (.*)", budget_text(whole))
+    (row,) = re.findall(r'<th scope="row">mass</th><td>(.*?)</td><td>(.*?)</td><td>(.*?)</td>', budget_html(whole))
+    for least, value, largest in (
+        row,
+        [(re.search(sign, line) or [""] * 2)[1] for sign in (r"≥ (\S+)", r" kg: (.*?) kg", r"≤ (\S+)")],
+    ):
+        size, reach = (Fraction(k) for k in f"{value.removesuffix(' (95 %)')} ± 0".split(" ± ")[:2])
+        ends = [Fraction(largest) - size] if largest else []
+        margin = min([*ends, size - Fraction(least)] if least else ends)
+        assert ("pass" if margin >= reach else "fail" if margin < -reach else "undecided") == whole.verdict
+
+
+def test_a_report_on_one_point_says_that_its_tensor_is_zero() -> None:
+    page = budget_html(budget_of({"name": "p", "shape": "point", "mass": 1.0}))
+    assert "m; the tensor is zero." in page
+    assert "inf" not in page
 
 
 def test_limits_are_on_what_the_file_names() -> None:

@@ -485,3 +485,23 @@ def test_other_seeds_turn_no_verdict_over() -> None:
         assert f"too near {100 * share:g} % to be told by" in answer.verdict.headline
         shares.append(answer.scatter.within)
     assert len(set(shares)) > 1
+
+
+@pytest.mark.parametrize(
+    ("body", "bearings", "words"),
+    [
+        ({"density": 7.85}, (0, 100), "no rotor is of 7.85 kg/m³: give densities in kg/m³"),
+        ({"mass": 1005.0}, (0, 100), "no rotor is of 7.85156e+06 kg/m³"),
+        ({"density": 7850}, (49.8, 50.2), "the bearings are 0.4 mm apart, on a rotor 80 mm long"),
+        ({"density": 60}, (45, 55), None),
+        ({"density": 19300}, (0, 100), None),
+    ],
+)
+def test_what_is_most_likely_in_another_unit_is_said(
+    body: dict, bearings: tuple[float, float], words: str | None, tmp_path: Path
+) -> None:
+    axis = {"bearing_a": [0, 0, bearings[0]], "bearing_b": [0, 0, bearings[1]]}
+    notes = of_box(tmp_path, body=[{"file": "box.obj"} | body], axis=axis).notes
+    said = [note for note in notes if "no rotor is of" in note or "bearings are" in note]
+    assert len(said) == (words is not None)
+    assert words is None or words in said[0]

@@ -47,6 +47,18 @@ def test_the_range_of_the_residual_covers_the_truth_as_often_as_it_says():
     assert 0.91 < covered < 0.99
 
 
+@pytest.mark.parametrize("scale", [1.0, 0.1])
+def test_further_terms_may_be_as_large_as_leaves_the_share_that_is_asked_for(scale):
+    # Rayleigh of σ² = 1 + (2 f)² within 2.6 with 95 %: 2.6² = 2 σ² ln 20.
+    known, further = term("rayleigh", 1.0, 1.0), term("rayleigh", scale, 2.0j)
+    factor = math.sqrt(2.6**2 / (2 * math.log(20)) - 1) / (2 * scale)
+    spare = monte_carlo([0.0], [known], further=[further], permissible=[2.6]).spare
+    assert spare == pytest.approx(min(factor, 1.0), rel=0.06)
+    assert spare <= min(factor, 1.0)
+    assert monte_carlo([0.0], [known], further=[further], permissible=[2.4]).spare is None  # 94.4 % without them
+    assert monte_carlo([0.0], [known], permissible=[2.6]).spare is None
+
+
 def test_without_uncertainty_the_residual_is_the_nominal_one():
     scatter = monte_carlo([3e-4 + 4e-4j, 0.0], [], permissible=[5.1e-4, 1e-9])
     assert scatter.residual_95 == pytest.approx([5e-4, 0.0])

@@ -6,12 +6,17 @@ from dataclasses import replace
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.mesh.solids import box
 
+from inertia.balancing.balance import balance
 from inertia.balancing.bounds import Uncertainty
 from inertia.balancing.forces import rigid_limit
+from inertia.balancing.rotor import Rotor
 from inertia.balancing.tolerance import Tolerance
 from inertia.balancing.unbalance import Unbalance
 from inertia.balancing.verdict import judge
+from inertia.mesh.part import Part
+from inertia.mesh.write import write_stl
 
 PLANES = (0.0, 1.0)
 
@@ -119,6 +124,25 @@ class TestTheAxisTakenAsExact:
             scaled_modes = tuple((radius * g, radius * h) for g, h in modes)
             bounded = rotor.with_uncertainties(Uncertainty("axis", scaled_modes, radius))
             assert judge(bounded, tolerance(), PLANES).outcome == after
+
+    def test_counts_in_the_share_of_parts_too(self, tmp_path):
+        # A square shaft whose centre is anywhere within 0.02 mm of the axis: |ε| m/2 is within F/ω² in (2 F/m ω² ε)².
+        force, mass = 2.75, 7850 * 0.06 * 0.06 * 0.1
+        corners, faces = box((-30, -30, 0), (30, 30, 100))
+        part = Part.from_arrays(corners, faces, "mm")
+        write_stl([part], tmp_path / "shaft.stl", part.unit)
+        table = {
+            "body": [{"file": "shaft.stl", "density": 7850, "eccentricity": 0.02}],
+            "axis": {"bearing_a": [0, 0, 0], "bearing_b": [0, 0, 100]},
+            "service": {"rpm": 3000},
+            "tolerance": {"bearing_force": [force, force]},
+        }
+        exact = balance(Rotor.from_dict(table, folder=tmp_path)).verdict
+        assert exact.within == pytest.approx((2 * force / (mass * (100 * math.pi) ** 2 * 2e-5)) ** 2, abs=3e-3)
+        assert exact.outcome == "pass"
+        for factor, after in ((0.9, "pass"), (1.2, "conditional")):
+            table["axis"]["radial_uncertainty"] = 1e3 * factor * exact.turned_over_by
+            assert balance(Rotor.from_dict(table, folder=tmp_path)).verdict.outcome == after
 
     def test_is_not_said_where_it_is_in_the_bounds(self):
         verdict = judge(residual(1, 1, axis=(5, 1e-5)), tolerance(), PLANES)

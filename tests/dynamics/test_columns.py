@@ -11,6 +11,7 @@ import pyarrow.parquet
 import pytest
 from tests.dynamics.scenes import PLAIN, TOP, scene
 
+from inertia.dynamics.columns import unit_of
 from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.run import Run
 from inertia.dynamics.scene.document import Scene
@@ -114,6 +115,27 @@ def test_joints_have_the_units_of_their_kinds(tmp_path: Path) -> None:
     assert {units[name] for name in units if name.startswith("joint_values")} <= {"rad", "m"}
     assert (units["part_poses_1_z"], units["part_poses_2_qw"]) == ("m", "1")
     assert units["inertia_xy"] == "kg m²"
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("theta of least energy", "rad"),
+        ("turning theta", "rad"),
+        ("energy of the spring", "J"),
+        ("work of the joints", "J"),
+        ("effective potential energy", "J"),
+        ("phi rate", "rad/s"),
+        ("precession of the body", "rad/s"),
+        ("libration period in the plane", "s"),
+        ("center of mass", "m"),
+        ("internal angular momentum", "kg m²/s"),
+        ("drive torque", "N m"),
+        ("separatrix distance", ""),
+    ],
+)
+def test_a_quantity_has_the_unit_of_what_it_is_and_not_of_what_it_is_of(name: str, unit: str) -> None:
+    assert unit_of(name) == unit
 
 
 def test_a_scene_that_no_file_can_hold_has_no_digest(tmp_path: Path) -> None:

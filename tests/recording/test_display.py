@@ -119,6 +119,13 @@ def test_a_flat_body_can_be_seen_from_its_edge() -> None:
     assert shown.notes == ("shown as the solid ellipsoid of the same moments, of 1 kg as no mass is given",)
 
 
+def test_a_point_mass_is_shown_as_a_sphere() -> None:
+    body = display_of(SceneBody(np.zeros((3, 3)), 1.0, np.array([0.0, 0.0, -2.0])))
+    assert body.semi_axes is not None
+    np.testing.assert_allclose(body.unit * body.semi_axes, [0.1] * 3)
+    assert body.notes == ("its mass is in a point, shown as a sphere",)
+
+
 def test_wires_are_shown_as_an_ellipsoid() -> None:
     points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0]], float)
     wire = Part(Cells(points, (CellBlock("line", np.array([[0, 1], [1, 2]])),)))

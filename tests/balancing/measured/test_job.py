@@ -133,8 +133,12 @@ def test_a_plane_without_radius_has_no_limit_in_gmm():
         ("run,sensor,amplitude,phase\n0,A,-5,6\n", "line 2: amplitude is -5.0: it must not be negative"),
         (
             "run,sensor,amplitude,phase\n0,A,5,6\n0,A,5,6\n",
-            "reads A at 1500 r/min a second time in run '0'",
+            "line 3: it reads A at 1500 r/min a second time in run '0'",
         ),
+        ("run,sensor,amplitude,phase\n0,A,5,6\n1,A,5,\n", "line 3: phase is missing: give it"),
+        ("run,sensor,amplitude,phase\n0,A,5,6\n\n1,B,5,6\n", "line 4: sensor is 'B': use one of A"),
+        ("run,sensor,amplitude,phase\n0,A,5,6\n", r"run\[1\].readings \(of run '1', in r.csv\) lack sensor A"),
+        ("run\tsensor\tamplitude\tphase\n", "parted by commas or semicolons, not by tabs"),
         ("run,sensor,amplitude,phase\n0,A,nan,6\n", "line 2: amplitude is nan: it must be finite"),
         ("run,sensor,amplitude,phase\n0," + 200_000 * "A" + ",5,6\n", "it is no CSV: field larger than field limit"),
         ("run;sensor;amplitude;phase\n0;A;5,5;6\n", "line 2: amplitude is '5,5': it must be a number, with a point"),
@@ -147,6 +151,16 @@ def test_tables_of_readings_name_the_line(text, words, tmp_path):
     (tmp_path / "r.csv").write_text(text, encoding="utf-8")
     with pytest.raises((UsageError, ReadError), match=words):
         Job.from_dict(table | {"readings": "r.csv"}, tmp_path)
+
+
+def test_readings_of_the_job_beside_a_table_are_named_by_their_place(tmp_path):
+    (tmp_path / "r.csv").write_text("run,sensor,amplitude,phase\n1,A,5,6\n", encoding="utf-8")
+    for k, words in ((0, r"r.csv: line 2: it reads A"), (1, r"run\[0\].readings\[0\].phase is missing")):
+        table = copy.deepcopy(BASE) | {"readings": "r.csv"}
+        if k:
+            del table["run"][0]["readings"][0]["phase"], table["run"][1]["readings"]
+        with pytest.raises(UsageError, match=words):
+            Job.from_dict(table, tmp_path)
 
 
 def test_a_table_with_semicolons_and_comments_is_read(tmp_path):

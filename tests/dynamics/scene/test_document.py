@@ -16,6 +16,8 @@ from inertia.errors import GeometryError, InertiaError, ReadError, UsageError
 from inertia.mass.properties import MassProperties
 from inertia_meshes import catalogue, path
 
+POINT = table(TOP, body__principal_moments=[0, 0, 0])
+
 CONTRACT = """
 schema = 1
 [body]                                  # one of: part | inertia | principal_moments
@@ -273,7 +275,7 @@ def test_a_field_that_is_wrong_is_named(changes: dict, words: str) -> None:
         (PLAIN, {"body": {"inertia": [[1, 1, 0], [0, 1, 0], [0, 0, 1]]}}, "body.inertia: .* not symmetric"),
         (PLAIN, {"body__principal_moments": [0, 1, 1]}, "smallest principal moment is 0 kg m²"),
         (PLAIN, {"body__principal_moments": [0, 0, 0]}, "the inertia tensor is zero"),
-        (TOP, {"constraint__point": [0, 0, 40]}, "constraint.point is 39.96 m from the centre of mass"),
+        (TOP, {"body__principal_moments": [0, 0, 0], "constraint__point": [0, 0, 0.04]}, "the inertia tensor is zero"),
     ],
 )
 def test_what_no_body_can_be_is_refused(base: dict, changes: dict, message: str) -> None:
@@ -286,6 +288,8 @@ def test_what_no_body_can_be_is_refused(base: dict, changes: dict, message: str)
     [
         (TOP, {"body__mass": None, "load": []}, "body.mass is missing: the moments about the fixed point need it"),
         (TOP, {"load": [{"kind": "dissipation", "rate": 1}]}, r"load\[0\] is dissipation, which acts on a free body"),
+        (POINT, {"load": [{"kind": "damping", "coefficient": 1}]}, r"load\[0\] is damping: .* takes gravity only"),
+        (POINT, {"load": []}, "load needs one of kind = .gravity. for a body whose mass lies on one line"),
         (DISC, {"load": [{"kind": "gravity", "acceleration": [0, 1, -9]}]}, "load needs one of kind .* along −z"),
         (DISC, {"load": [{"kind": "gravity"}, {"kind": "damping", "coefficient": 1}]}, "takes gravity only"),
     ],
@@ -295,14 +299,14 @@ def test_what_does_not_go_together_is_refused(base: dict, changes: dict, message
         scene(base, **changes)
 
 
-def test_the_limit_of_a_fixed_point_is_ten_lengths() -> None:
+def test_a_fixed_point_beyond_ten_lengths_is_noted() -> None:
     # A bar of 1 kg with moments (ε, ⅟12, ⅟12) kg m²: the ellipsoid with these is 2 √(5/12) = 1.29 m long.
     bar = {"principal_moments": [1e-3, 1 / 12, 1 / 12], "mass": 1.0}
     changes = {"body": bar, "constraint": {"kind": "fixed_point", "point": [12.5, 0, 0]}}
-    assert scene(**changes).constraint.fixed_point.tolist() == [12.5, 0, 0]
+    assert scene(**changes).notes == ()
     changes["constraint"]["point"] = [13.0, 0, 0]
-    with pytest.raises(GeometryError, match="the limit is 10 lengths"):
-        scene(**changes)
+    far = "constraint.point is 13 m from the centre of mass of a body that is about 1.29 m long"
+    assert scene(**changes).notes == (f"{far}: it counts in m, along the part axes",)
 
 
 def test_a_pendulum_may_start_at_rest() -> None:

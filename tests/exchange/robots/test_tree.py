@@ -46,9 +46,13 @@ ON_WORLD = MJCF.replace("<freejoint/>", '<joint name="ja" axis="0 1 0"/>').repla
 ON_WORLD = ON_WORLD.replace(
     "</worldbody>", f'<body name="d" pos="3 1 2">{INERTIAL.format(0.2, 0.7)}</body></worldbody>'
 )
+SEVERAL = MJCF.replace('<joint name="jb" type="slide" axis="0 3 4"/>', "<joint/><joint/>").replace(
+    '<joint name="ja"',
+    '<joint name="jd" type="slide" ref="0.2"/><joint name="jb" axis="0 3 4" pos="0.1 0 0" ref="0.4"/><joint name="ja"',
+)
 
 
-@pytest.mark.parametrize(("text", "suffix"), [(MJCF, "xml"), (ON_WORLD, "xml"), (URDF, "urdf")])
+@pytest.mark.parametrize(("text", "suffix"), [(MJCF, "xml"), (ON_WORLD, "xml"), (SEVERAL, "xml"), (URDF, "urdf")])
 def test_the_whole_is_that_of_mujoco(text: str, suffix: str, tmp_path: Path) -> None:
     mujoco = pytest.importorskip("mujoco")
     file = tmp_path / f"robot.{suffix}"
@@ -300,6 +304,9 @@ def test_joints_that_are_not_there_or_do_not_move_are_refused(tmp_path: Path) ->
     with pytest.raises(UsageError, match="joint 'jc' is none of the robot's: name one of ja, jb"):
         robot_tree(robot, {"jc": 1.0})
     arm = read_robot(path("robots/arm.urdf"))
+    (tmp_path / "several.xml").write_text(SEVERAL)
+    with pytest.raises(UsageError, match="joint 'jc' is none of the robot's: name one of jd, jb, ja, b, b 2"):
+        robot_tree(read_robot(tmp_path / "several.xml"), {"jc": 1.0})
     with pytest.raises(UsageError, match="joint 'forearm_drive' does not turn or slide"):
         robot_tree(arm, {"forearm_drive": 1.0})
 

@@ -69,6 +69,19 @@ def test_the_forces_that_hold_an_axle_are_those_of_the_couple(tmp_path: Path) ->
     np.testing.assert_allclose(recording.property("ScalarAxis:range"), [[0.0, 1.15 * each]], rtol=1e-9)
 
 
+def test_a_rod_askew_on_its_axle_has_a_flat_ellipsoid_of_its_energy(tmp_path: Path) -> None:
+    table = {
+        "body": {"principal_moments": [0, 1, 1]},
+        "start": {"angular_velocity": [6, 0, 8]},
+        "constraint": {"kind": "hinge", "axis": [0.6, 0, 0.8], "drive": "constant_speed"},
+        "run": {"duration": 1.0, "samples": 11},
+    }
+    with np.errstate(all="raise"):
+        recording = written(screen(simulate(Scene.from_dict(table))), tmp_path / "run.rrd")
+    ellipsoids = recording.values(f"/{entities.ENERGY_ELLIPSOID}", "Ellipsoids3D:half_sizes").astype(float)
+    np.testing.assert_allclose(ellipsoids.reshape(-1, 3), [[0, 1, 1]] * len(ellipsoids), atol=1e-6)
+
+
 def test_what_is_lost_inside_is_no_torque(tmp_path: Path) -> None:
     run = made([1.0, 2.0, 3.0], [1.0, 0.1, 0.0], [{"kind": "dissipation", "rate": 0.1}])
     recording = written(screen(run), tmp_path / "run.rrd")

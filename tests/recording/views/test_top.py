@@ -150,6 +150,21 @@ def test_a_top_whose_axis_stays_vertical_is_shown(attitude: list[float], spin: f
     np.testing.assert_allclose(axis, np.broadcast_to([0, 0, 1 if spin else -1], axis.shape), atol=1e-6)
 
 
+def test_a_spherical_pendulum_is_shown_without_a_spin_that_would_keep_it_upright(tmp_path: Path) -> None:
+    table = {
+        "body": {"principal_moments": [0, 0, 0], "mass": 2.0, "center_of_mass": [0, 0, -1.0]},
+        "start": {"angular_velocity": [1.0, 2.0, 0.5]},
+        "constraint": {"kind": "fixed_point"},
+        "load": [{"kind": "gravity"}],
+        "run": {"duration": 1.0, "samples": 11},
+    }
+    with np.errstate(all="raise"):
+        recording = written(screen(simulate(Scene.from_dict(table))), tmp_path / "run.rrd")
+    np.testing.assert_allclose(series(recording, f"/{entities.PLOT_SPIN}"), -0.5)
+    (text,) = recording.texts(f"/{entities.SUMMARY}", "TextDocument:text")
+    assert "no spin would keep it upright" in text
+
+
 @drawable
 def test_the_viewer_shows_it_without_an_error(run: Run, tmp_path: Path) -> None:
     assert errors_seen(screen(run), tmp_path, 0.5) == []

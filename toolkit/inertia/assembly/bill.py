@@ -13,6 +13,8 @@ from inertia.errors import ReadError
 from inertia.tables import cell_text
 
 _DECIMAL_COMMA = re.compile(r"\d,\d")
+_THOUSANDS = re.compile(r"(?<!\d)[1-9]\d{0,2}(?:,\d{3})+(?!\d)")
+_MORE_THAN_DECIMALS = re.compile(r",\d+[.,]")
 
 
 def is_bill(text: str) -> bool:
@@ -58,14 +60,25 @@ def parts_of(text: str) -> list[dict[str, Any]]:
                 for name, word in cells:
                     if name not in words and _DECIMAL_COMMA.search(word) and word[0] not in "[{":
                         raise ReadError(
-                            f"line {rows.line_num} has {word!r} as its {name}, with a comma: write "
-                            f"{word.replace(',', '.')}, with a decimal point",
+                            f"line {rows.line_num} has {word!r} as its {name}, with a comma: "
+                            f"{_without_comma(word, delimiter)}",
                             code="not_a_number",
                         )
                 parts.append({name: word if name in words else _value(word) for name, word in cells if word})
     except csv.Error as error:
         raise ReadError(f"it is not CSV: {error}", code="table") from None
     return parts
+
+
+def _without_comma(word: str, delimiter: str) -> str:
+    """Return what to write: where semicolons part cells a comma is a decimal one, else it may part thousands too."""
+    point = f"write {word.replace(',', '.')}, with a decimal point"
+    plain = _THOUSANDS.sub(lambda found: found[0].replace(",", ""), word)
+    if "," in plain:
+        return point
+    if _MORE_THAN_DECIMALS.search(word):
+        return f"write {plain}"
+    return point if delimiter == ";" else f"write {plain} if it parts thousands, else {word.replace(',', '.')}"
 
 
 def _value(word: str) -> Any:

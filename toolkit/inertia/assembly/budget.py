@@ -145,7 +145,7 @@ def budget(assembly: PartTree) -> Budget:
     lines = _Lines(assembly, places)
     total = lines.total()
     limits = tuple(judged(each, total, places.properties, assembly) for each in assembly.fields.limit)
-    notes = list(assembly.notes)
+    notes = [*assembly.notes, *lines.large]
     if lines.immature and any(line.maturity for line in total.lines()):
         few = ", ".join(lines.immature[:3]) + (" …" if len(lines.immature) > 3 else "")
         notes.append(f"{len(lines.immature)} parts state no maturity and have no allowance: {few}")
@@ -157,6 +157,7 @@ class _Lines:
 
     def __init__(self, assembly: PartTree, places: Placed) -> None:
         self.immature: list[str] = []
+        self.large: list[str] = []
         self._assembly, self._places = assembly, places
         self._table = {**EXAMPLE, **(assembly.fields.allowances or {})}
         self._frames = dict(assembly.in_places())
@@ -189,6 +190,11 @@ class _Lines:
                     raise placed(error, node.file) from None
             if share is None:
                 self.immature.append(node.name)
+            elif share > 1:
+                self.large.append(
+                    f"{node.name}: its mass growth allowance is {100 * share:g} % of its basic mass: allowances are "
+                    "parts of it, 0.15 for 15 %"
+                )
             allowance = (share or 0.0) * float(moments[:, 0].sum())
             for each in node.body.inputs:
                 _add(changes, each.label, _grown(self._placed(each, frames, moments), share or 0.0))

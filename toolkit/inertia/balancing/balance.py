@@ -59,6 +59,8 @@ _LOWER = (1.0, 0.4, 0.1)  # of what is asked for, aimed at while the shop's work
 _DEEPER = (0.5, 0.95)  # of the greatest depth, of arcs, for the same
 _LEAST_TIME = 0.1  # of the time, for each of them
 _WEIGHTS = ("add", "remove", "kit")  # methods whose masses are weighed
+_LIGHT, _DENSE = 25.0, 25_000.0  # kg/m³: a light foam, and more than any metal has; metals in g/cm³ are below both
+_NEAR = 0.01  # of the rotor's length
 _ROUNDED = 1e-6  # of a place along the shaft: what float32 leaves of it, as in STL
 
 _Complete = Callable[[Unbalance, Sequence[Part] | None], Unbalance]
@@ -265,7 +267,7 @@ def balance(
     if assembled is not None:
         known = assembled.uncertainty(shaft, modelled.z)
         modelled = modelled.with_uncertainties(known) if known.modes else modelled
-    given = modelled if measured is None else _as_measured(modelled, measured)
+    given = modelled if measured is None else as_measured(modelled, measured)
 
     def complete(unbalance: Unbalance, cut: Sequence[Part] | None) -> Unbalance:
         """Add what densities leave uncertain."""
@@ -294,7 +296,12 @@ def balance(
     verdict = initial_verdict if correction is None else _judged(residual, tolerance, axis, rigid, exact)
     if verdict.outcome == "fail":
         verdict = replace(verdict, why=(*verdict.why, _binding(correction)))
-    scatter = _scatter(rotor, residual, () if correction is None else correction.operations, tolerance, at, mounted)
+    operations = () if correction is None else correction.operations
+    further: tuple[Term, ...] = ()
+    if verdict.outcome == "pass" and verdict.turned_over_by:
+        loose = bounds.axis(shaft.resolve(properties), shaft.span, verdict.turned_over_by)
+        further = rotor_terms(replace(residual, uncertainties=(loose,)), at)
+    scatter = _scatter(rotor, residual, operations, tolerance, at, mounted, further)
     return Balance(
         rotor=rotor,
         bodies=bodies,
@@ -314,6 +321,7 @@ def balance(
         notes=(
             *_indexed(indexing),
             *(assembled.notes if assembled else ()),
+            *_slips(rotor, bodies, shaft),
             *_notes(rotor, bodies, measured is not None),
             *against(rotor, shaft),
             *moved(rotor, planes),
@@ -380,12 +388,13 @@ def _binding(correction: Correction | None) -> str:
     return f"what binds: {', '.join(correction.limits_hit) or 'the planes themselves, whatever is done in them'}"
 
 
-def _as_measured(modelled: Unbalance, measured: Sequence[tuple[float, complex, float]]) -> Unbalance:
-    """Return the unbalance that a machine showed, on the mass and the centre of mass of the meshes.
+def as_measured(modelled: Unbalance, measured: Sequence[tuple[float, complex, float]]) -> Unbalance:
+    """Return the unbalance that a machine showed, as `balance` takes it, on the mass and centre of mass of the meshes.
 
     Arithmetic and axis are nothing beside it; what else leaves the mass uncertain, which limits may follow, stays.
     """
-    masses = (k.of_mass_alone for k in modelled.uncertainties if k.source in ("tessellation", "input") and k.masses)
+    of_mass = ("tessellation", "input", "density")
+    masses = (k.of_mass_alone for k in modelled.uncertainties if k.source in of_mass and k.masses)
     bare = replace(modelled, static=0j, couple=0j, uncertainties=tuple(masses))
     shown = bare.with_vectors([(z, vector) for z, vector, _ in measured])
     modes = tuple((complex(off), off * (z - modelled.z)) for z, _, off in measured)
@@ -463,11 +472,13 @@ def _scatter(
     tolerance: Tolerance,
     at: Planes,
     mounted: Sequence[Term],
+    further: Sequence[Term] = (),
 ) -> Scatter:
     settings, law = rotor.fields.uncertainty, tolerance.law
     return monte_carlo(
         residual.in_many_planes(at),
         (*rotor_terms(residual, at, tolerance), *mounted, *operation_terms(operations, residual, at, rotor.shop)),
+        further=further,
         permissible=tolerance.permissible,
         follows=None if law is None else lambda mass, moment: law.permissible(mass, moment, residual.z),
         confidence=settings.confidence,
@@ -554,6 +565,23 @@ def _facet_notes(body: RotorBody) -> Iterator[str]:
         yield (
             f"{body.name}: its vertices are taken to lie on the true surface, to which {share} of its curved facets "
             f"are known to belong as cylinders and cones; they miss it by up to {sag}, which counts as a sum of vectors"
+        )
+
+
+def _slips(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft) -> Iterator[str]:
+    """Yield what no rotor has, as it is most likely in another unit than is asked for."""
+    for body in bodies:
+        if not _LIGHT <= body.density <= _DENSE:
+            yield (
+                f"{body.name}: no rotor is of {body.density:g} kg/m³: give densities in kg/m³ (steel has 7850), masses "
+                "in kg, and the unit that the file's coordinates are in"
+            )
+    extent = outline(bodies, shaft)
+    length = extent.high - extent.low
+    if shaft.span < _NEAR * length:
+        yield (
+            f"the bearings are {in_unit(rotor, shaft.span)} apart, on a rotor {in_unit(rotor, length)} long: give "
+            "bearing_a and bearing_b, and the coordinates of bodies, in one unit"
         )
 
 

@@ -33,6 +33,8 @@ _VARIANCE: dict[Distribution, float] = {"normal": 1.0, "uniform": 1.0 / 3.0, "di
 _NORMAL_95 = 1.959963984540054
 _NORMAL_999 = 3.2905267314919255
 _MOST_DRAWS = 1_000_000
+_HALVINGS = 24  # of what further terms are multiplied by
+_TOLD = 0.9  # of it: how near what certainly leaves enough draws within is to what perhaps does
 _ROUNDED = 1e-9  # of a limit and of what grows with it: where both are in proportion, each draw is as the next
 
 
@@ -122,6 +124,8 @@ class Scatter:
     within_range : where that share lies with 99.9 % confidence, as the draws are finite in number
     confidence : the share that was asked for
     sensitivities : the table, what matters most first
+    spare : by what further terms, below 1, may be multiplied so that the share asked for is still reached with 99.9 %
+        confidence; 1 where they may be as large as given, None where there are none or it is not reached
     """
 
     draws: int
@@ -132,6 +136,7 @@ class Scatter:
     within_range: tuple[float, float] | None
     confidence: float
     sensitivities: tuple[Sensitivity, ...]
+    spare: float | None = None
 
     @property
     def within_text(self) -> str:
@@ -151,6 +156,7 @@ def monte_carlo(
     nominal: ArrayLike,
     terms: Sequence[Term],
     *,
+    further: Sequence[Term] = (),
     permissible: ArrayLike | None = None,
     follows: Callable[[Float, Float], Float] | None = None,
     confidence: float = LEVEL,
@@ -167,6 +173,7 @@ def monte_carlo(
     ----------
     nominal : (k,) kg·m, in each plane
     terms : the uncertain inputs, independent of each other
+    further : others, not counted, of which is said how large they may be (`Scatter.spare`)
     permissible : (k,) kg·m
     follows : how they follow the mass: takes changes (n,) kg of the mass and (n,) kg m of its first moment along the
         shaft, returns limits (k, n) kg m; they stay without it
@@ -184,7 +191,7 @@ def monte_carlo(
         raise UsageError(f"nominal must have shape (planes,), not {start.shape}")
     if draws < 100:
         raise UsageError(f"draws is {draws}: 95 % residuals take 100 or more")
-    for term in terms:
+    for term in (*terms, *further):
         if term.sensitivities.shape != start.shape:
             raise UsageError(
                 f"{term.name}: sensitivities have shape {term.sensitivities.shape}, the unbalance {start.shape}: give "
@@ -194,7 +201,8 @@ def monte_carlo(
         raise UsageError(f"the confidence is {confidence!r}: it must be above 0 and below 1")
     limits = None if permissible is None else array_of(permissible, start.shape, "permissible")
     while True:
-        size, drawn = _drawn(start, limits, follows, terms, draws, seed)
+        vectors, drawn = _drawn(start, limits, follows, terms, draws, seed)
+        size = np.abs(vectors)
         within = None if drawn is None else float((size <= drawn).all(axis=0).mean())
         within_range = None if within is None else _wilson(within, draws)
         if within_range is None or 4 * draws > _MOST_DRAWS:
@@ -202,6 +210,11 @@ def monte_carlo(
         if not any(within_range[0] < edge < within_range[1] for edge in (confidence, 0.5)):
             break
         draws *= 4
+    spare = None
+    if limits is not None and within_range is not None and further and within_range[0] >= confidence:
+        spare = _spare(
+            further, confidence, draws, seed, lambda count: _drawn(start, limits, follows, terms, count, seed)
+        )
     size.sort(axis=1)
     middle, reach = LEVEL * draws, _NORMAL_95 * math.sqrt(LEVEL * (1.0 - LEVEL) * draws)
     ranks = [max(0, math.floor(middle - reach)), math.ceil(middle) - 1, min(draws - 1, math.ceil(middle + reach))]
@@ -209,8 +222,46 @@ def monte_carlo(
     table = _table(beside, np.ones(len(start)) if limits is None else limits)
     low, high = size[:, ranks[0]], size[:, ranks[2]]
     return Scatter(
-        draws, start, size[:, ranks[1]], np.column_stack([low, high]), within, within_range, confidence, table
+        draws, start, size[:, ranks[1]], np.column_stack([low, high]), within, within_range, confidence, table, spare
     )
+
+
+def _spare(
+    further: Sequence[Term],
+    confidence: float,
+    draws: int,
+    seed: int,
+    drawn: Callable[[int], tuple[Complex, Float | None]],
+) -> float:
+    """Return by what further terms may be multiplied, 1 at most, so that enough draws stay within their limits.
+
+    Where the draws are too few to tell that well, four times as many are made.
+    """
+    while True:
+        (vectors, limits), random = drawn(draws), np.random.default_rng([seed, 1])
+        moved = sum(
+            (term.sensitivities[:, None] * term.draw(random, draws) for term in further), np.zeros_like(vectors)
+        )
+        surely, perhaps = (_most_of(moved, vectors, limits, confidence, end) for end in (0, 1))
+        if surely >= _TOLD * perhaps or 4 * draws > _MOST_DRAWS:
+            return surely
+        draws *= 4
+
+
+def _most_of(moved: Complex, vectors: Complex, limits: Float | None, confidence: float, end: int) -> float:
+    """Return by what all that is moved may be multiplied so that one end of the share within is as asked for."""
+
+    def enough(factor: float) -> bool:
+        share = float((np.abs(vectors + factor * moved) <= limits).all(axis=0).mean())
+        return _wilson(share, vectors.shape[1])[end] >= confidence
+
+    if enough(1.0):
+        return 1.0
+    low, high = 0.0, 1.0
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if enough(middle) else (low, middle)
+    return low
 
 
 def _drawn(
@@ -220,8 +271,8 @@ def _drawn(
     terms: Sequence[Term],
     draws: int,
     seed: int,
-) -> tuple[Float, Float | None]:
-    """Return the magnitudes drawn, (planes, draws), and the limits that each is held against."""
+) -> tuple[Complex, Float | None]:
+    """Return the vectors drawn, (planes, draws), and the limits that each is held against."""
     random = np.random.default_rng(seed)
     vectors = np.repeat(start[:, None], draws, axis=1)
     mass, moment = np.zeros(draws), np.zeros(draws)
@@ -231,10 +282,9 @@ def _drawn(
         if any(term.mass):
             mass += term.mass[0] * drawn.real
             moment += term.mass[1] * drawn.real
-    sizes: Float = np.abs(vectors)
     if limits is None or follows is None or not any(any(term.mass) for term in terms):
-        return sizes, None if limits is None else limits[:, None]
-    return sizes, (1.0 + _ROUNDED) * follows(mass, moment)
+        return vectors, None if limits is None else limits[:, None]
+    return vectors, (1.0 + _ROUNDED) * follows(mass, moment)
 
 
 def _beside(term: Term, start: Complex, limits: Float, follows: Callable[[Float, Float], Float]) -> Term:

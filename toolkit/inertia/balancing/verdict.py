@@ -171,11 +171,13 @@ def count_the_shop(verdict: Verdict, scatter: Scatter) -> Verdict:
     Parameters
     ----------
     verdict : on the residual as planned
-    scatter : of the residual as made, with what is permissible
+    scatter : of the residual as made, with what is permissible; the further terms are bearing centres that are known to
+        within what would turn the verdict over
     """
     if scatter.within is None or scatter.within_range is None:
         return verdict
     low, high = scatter.within_range
+    over = verdict.turned_over_by
     wanted = f"{100.0 * scatter.confidence:g} %"
     share = f"{scatter.within_text} of parts within tolerance, {wanted} asked for"
     outcome, why = verdict.outcome, verdict.why
@@ -186,10 +188,12 @@ def count_the_shop(verdict: Verdict, scatter: Scatter) -> Verdict:
             f"as made, {scatter.within_text} of parts are within tolerance where axis, densities and the shop's work "
             f"scatter as stated, and {wanted} is asked for{_tightest(scatter)}",
         )
+    elif outcome == "pass" and over is not None and scatter.spare is not None:
+        over *= scatter.spare
     if low < scatter.confidence < high or low < 0.5 < high:
         edge = wanted if low < scatter.confidence < high else "one half"
         share += f" (too near {edge} to be told by {scatter.draws} draws: {100 * low:.2f} to {100 * high:.2f} %)"
-    return replace(verdict, outcome=outcome, why=why, within=scatter.within, share=share)
+    return replace(verdict, outcome=outcome, why=why, turned_over_by=over, within=scatter.within, share=share)
 
 
 def _tightest(scatter: Scatter) -> str:

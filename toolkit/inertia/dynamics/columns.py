@@ -61,7 +61,8 @@ _UNITS = {
     "contact": "m",
     "center of mass": "m",
 }
-"""What quantities and invariants are in: the first of these words that is in the name decides."""
+"""What quantities and invariants are in: the first of these words that is in the name decides, of what stands before an
+"of" if one is there."""
 
 _BLOCK = 16384  # rows that are written at once
 _SPACE = "xyz"
@@ -76,10 +77,11 @@ _COMPONENTS = {
 def unit_of(name: str) -> str:
     """Return the unit of a quantity or an invariant; nothing where it has none.
 
-    >>> unit_of("force on bearing A"), unit_of("separatrix distance")
-    ('N', '')
+    >>> unit_of("force on bearing A"), unit_of("theta of least energy"), unit_of("separatrix distance")
+    ('N', 'rad', '')
     """
-    return _OF_EVERY_RUN.get(name) or next((unit for word, unit in _UNITS.items() if word in name), "")
+    said = (unit for words in (name.partition(" of ")[0], name) for word, unit in _UNITS.items() if word in words)
+    return _OF_EVERY_RUN.get(name) or next(said, "")
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,6 +33,7 @@ _FAR = 30.0  # times the angle that neighbours are meant to be apart
 _TRIES = 6
 _PATIENCE = 10.0  # s, for what is said beside a run
 _NOTHING = np.zeros(3)
+_THINNEST = 1e-12  # of the largest moment: next to one that is less, a change is lost in rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,6 +150,8 @@ class _Neighbours:
         self.center, self.mass = np.asarray(own.center_of_mass), own.mass
         self.spin, self.attitude = scene.angular_velocity, scene.start.attitude
         least = float(body.principal.moments[0])  # of the whole, for a part may have none
+        if not least > _THINNEST * float(body.principal.moments[2]):
+            raise GeometryError("a body without thickness has no bodies next to it for a derivative: give it one")
         self.turned = 1.0 + float(np.linalg.norm(self.spin)) * scene.run.duration
         for accuracy in _ACCURACIES:
             self.accuracy = accuracy

@@ -117,7 +117,7 @@ def _in_part_axes(plan: Plan, time: Float, motion: Motion) -> Run:
         invariants=invariants_of(motion, momentum),
         remarks=motion.remarks,
         events=motion.events,
-        warnings=(*_uncertainty(plan.problem, error), *scene.body.notes, *motion.warnings),
+        warnings=(*_uncertainty(plan.problem, error), *scene.notes, *motion.warnings),
         quantities=dict(motion.quantities),
         steps=motion.steps,
     )

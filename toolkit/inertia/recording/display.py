@@ -35,7 +35,7 @@ MOST = 50_000
 
 _DIM = 0.6  # of its colour, that a body has at other instants than that shown
 _THINNEST = 0.01  # of the largest semi-axis, for an equivalent ellipsoid that would be flat
-_POINT = 0.05  # of the body, the radius of a part that is a point
+_POINT = 0.05  # of the body, or of how far it is from the origin, the radius of a part that is a point
 _BLOCK = 1 << 18
 _FINEST = 1 << 20  # cells along an edge of the part's box
 _STRIDES = (1 << 42, 1 << 21, 1)  # a cell's number fits an integer
@@ -80,7 +80,7 @@ class Display:
 
 
 def display_of(body: SceneBody) -> Display:
-    """Return how a body is shown: its part, or the solid ellipsoid of the same moments where it has no part."""
+    """Return how a body is shown: its part, or the solid ellipsoid of the same moments; a point is a sphere."""
     principal = body.principal
     attitude = quaternion.from_matrix(principal.axes)
     if body.part is not None:
@@ -94,6 +94,10 @@ def display_of(body: SceneBody) -> Display:
             )
             return Display(unit, radius, corners / unit, None, attitude, notes)
     semi_axes = equivalent_ellipsoid(principal.moments, body.mass)
+    if not semi_axes.any():
+        semi_axes = np.full(3, _POINT * (float(np.linalg.norm(body.center_of_mass)) or 1.0))
+        unit, radius = _unit(float(semi_axes[0]))
+        return Display(unit, radius, None, semi_axes / unit, attitude, ("its mass is in a point, shown as a sphere",))
     unit, radius = _unit(float(semi_axes.max()))
     notes = ("shown as the solid ellipsoid of the same moments",)
     if body.mass is None:

@@ -101,13 +101,13 @@ def wrapped(label: str, sentence: str) -> Iterator[str]:
         yield row("" if k else label, line)
 
 
-def number(value: float) -> str:
-    """Return a value with ten significant digits.
+def number(value: float, more: int = 0) -> str:
+    """Return a value with ten significant digits, or so many more.
 
     >>> number(1 / 3), number(4), number(1e-9 / 3)
     ('0.3333333333', '4', '3.333333333e-10')
     """
-    return f"{value + 0.0:.10g}"
+    return f"{value + 0.0:.{10 + more}g}"
 
 
 def cleared(value: float, bound: float) -> float:

@@ -142,6 +142,17 @@ def test_theta_turns_at_the_turning_points_and_nowhere_passes_them(name):
     assert abs(np.count_nonzero(np.diff(signs)) - len(motion.events)) <= 1
 
 
+@pytest.mark.parametrize("spin", [20.0, 200.0, -31.7, 0.3])
+@pytest.mark.parametrize("push", [1e-3, 0.1, 1.0, 5.0, 7.3])
+@pytest.mark.parametrize("attitude", [UPRIGHT, HANGING])
+def test_a_top_that_starts_through_the_vertical_turns_at_once(attitude, push, spin):
+    """There θ is least, or greatest; the next turn is half a period on."""
+    motion = solve_heavy_top(MOMENTS, 2.0, attitude, [push, 0.0, spin], np.linspace(0.0, 40.0, 3))
+    first, second, *_ = motion.events
+    assert first.time == 0.0
+    assert second.time == pytest.approx(motion.quantities["nutation period"] / 2, rel=1e-12)
+
+
 def test_turning_points_alternate_at_half_the_period():
     motion = solve_heavy_top(MOMENTS, 2.0, TILTED, [0.3, 0.4, 5.0], np.linspace(-50.0, 50.0, 3))
     gaps = np.diff([event.time for event in motion.events])
@@ -202,7 +213,7 @@ def test_the_attitude_need_not_be_normalised_and_another_start_joins_on():
 
 
 def test_input_that_is_no_top_is_refused():
-    with pytest.raises(GeometryError, match="positive and I3 at most 2 I1"):
+    with pytest.raises(GeometryError, match="positive, and I3 not negative and at most 2 I1"):
         solve_heavy_top((1.0, 2.1), 2.0, UPRIGHT, [0, 0, 1], [0.0])
     with pytest.raises(GeometryError, match="positive"):
         solve_heavy_top((0.0, 0.0), 2.0, UPRIGHT, [0, 0, 1], [0.0])

@@ -229,6 +229,17 @@ def test_periods_of_small_nutations_and_of_the_plane_pendulum():
     assert tilted(2.0, [0, 0, 0]).nutation_period == pytest.approx(half_swing, rel=1e-14)
 
 
+def test_a_conical_pendulum_goes_round_at_the_root_of_g_over_its_depth():
+    tilt, mgh = 2.5, 3.0
+    pace = math.sqrt(-mgh / math.cos(tilt))
+    assert sorted(HeavyTop(1.0, 0.0, mgh, 0.0, 0.0, mgh).steady_precession(tilt)) == pytest.approx([-pace, pace])
+    momentum = pace * math.sin(tilt) ** 2
+    energy = 0.5 * (pace * math.sin(tilt)) ** 2 + mgh * math.cos(tilt)
+    top = HeavyTop(1.0, 0.0, mgh, momentum, 0.0, energy)
+    assert (top.kind, top.effective_energy) == ("steady precession", energy)
+    assert top.turning_angles == pytest.approx((tilt, tilt), abs=1e-7)
+
+
 def test_on_the_separatrix_the_period_is_infinite():
     top = HeavyTop.of_state((1.0, 0.5), 1.0, [1, 0, 0, 0], [2, 0, 0])  # ½ 2² − 1 = 1: just reaches the top
     assert top.nutation_period == math.inf
@@ -248,6 +259,8 @@ def test_what_is_no_top_is_refused():
         HeavyTop(1.0, 2.001, MGH, 0.0, 0.0, 3.0)
     with pytest.raises(GeometryError, match="must be positive"):
         HeavyTop(-1.0, 0.5, MGH, 0.0, 0.0, 3.0)
+    with pytest.raises(GeometryError, match=r"p_psi = 0\.1 kg m²/s takes a moment I3, which is 0"):
+        HeavyTop(1.0, 0.0, MGH, 0.0, 0.1, 3.0)
     with pytest.raises(GeometryError, match="rests at any tilt"):
         HeavyTop(1.0, 0.5, 0.0, 0.0, 0.0, 0.0)
     with pytest.raises(GeometryError, match="below the least"):

@@ -104,11 +104,43 @@ def test_exercise_4_a_dumbbell_askew_on_its_axle() -> None:
     """Two masses M at ±A on a rod at θ to the axle take 2 M A² ω² sinθ cosθ across it."""
     mass, arm, tilt, spin = 2.0, 0.3, np.radians(30.0), 10.0
     place = arm * np.array([np.cos(tilt), 0, np.sin(tilt)])
-    tensor = 2.0 * mass * (arm**2 * np.eye(3) - np.outer(place, place)) + 1e-9 * np.eye(3)
+    tensor = 2.0 * mass * (arm**2 * np.eye(3) - np.outer(place, place))
     run = hinged({"inertia": tensor.tolist(), "mass": 2 * mass}, [spin, 0, 0], 1.0, drive="constant_speed")
     held = np.linalg.norm(run.quantities["reaction torque"], axis=1)
     assert held == pytest.approx(2 * mass * arm**2 * spin**2 * np.sin(tilt) * np.cos(tilt))
     assert np.abs(run.quantities["drive torque"]).max() < 1e-12
+
+
+def test_a_rod_askew_on_its_axle_needs_no_thickness() -> None:
+    run = hinged({"principal_moments": [0, 1, 1]}, [6, 0, 8], 1.0, drive="constant_speed", axis=[0.6, 0, 0.8])
+    assert np.linalg.norm(run.quantities["reaction torque"], axis=1) == pytest.approx(10.0**2 * 0.6 * 0.8)
+    assert run.energy == pytest.approx(0.5 * 0.8**2 * 10.0**2)
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.01])
+def test_a_bob_on_a_string_is_the_simple_pendulum(radius: float) -> None:
+    """From its lowest point sin ½θ = k sn(√(m g l/I) t, k), I = m l² + ⅖ m r², over a hundred swings."""
+    mass, length, rate = 2.0, 1.0, 3.0
+    own = 0.4 * mass * radius**2
+    body = {"principal_moments": [own] * 3, "mass": mass, "center_of_mass": [0, 0, -length]}
+    run = hinged(body, [rate, 0, 0], 200.0, [GRAVITY], samples=11)
+    with mpmath.workdps(40):
+        pace = mpmath.sqrt(mass * mpmath.mpf(9.80665) * length / (mass * length**2 + mpmath.mpf(own)))
+        k = rate / (2 * pace)
+        angle = [float(2 * mpmath.asin(k * mpmath.ellipfun("sn", pace * float(t), k=k))) for t in run.time]
+    assert np.abs(run.quantities["angle"] - angle).max() <= run.error.reached
+    far = "constraint.point is 1 m from the centre of mass of a body that is about 0.02 m long: it counts in m"
+    assert [far in each for each in run.warnings] == [True] * bool(radius)
+
+
+def test_an_axle_that_no_mass_is_away_from_is_refused() -> None:
+    rod = {"principal_moments": [0.1, 0.1, 0], "mass": 1.0, "center_of_mass": [0, 0, 0.5]}
+    with pytest.raises(GeometryError, match="no mass is away from the axle"):
+        hinged(rod, [0, 0, 1], 1.0, axis=[0, 0, 1])
+    assert hinged(rod, [0, 0, 1], 1.0, axis=[0, 0, 1], point=[0.1, 0, 0]).error.reached < 1e-12
+    point = {"principal_moments": [0, 0, 0], "mass": 1.0, "center_of_mass": [0.3, -0.7, 0.2]}
+    with pytest.raises(GeometryError, match="no mass is away from the axle"):
+        hinged(point, [0.3, -0.7, 0.2], 1.0, axis=[0.3, -0.7, 0.2])
 
 
 def test_the_tilted_disc_loads_its_bearings_by_its_couple() -> None:

@@ -196,6 +196,26 @@ def test_it_ends_where_its_energy_is_least(share: float, ends: str) -> None:
     assert f"stable below {low:.6g} rad/s with the centre of mass low, and above {over:.6g} rad/s" in run.remarks[0]
 
 
+@pytest.mark.parametrize(("side", "share", "stays"), [(-1, 4.0, True), (1, 1.05, True), (1, 0.95, False)])
+def test_without_friction_it_is_a_top_about_its_centre_of_mass(side: int, share: float, stays: bool) -> None:
+    """Lagrange: I₃ ω > √(4 m g b I₁) keeps it upside down, and any spin upright; nothing takes it to another tilt."""
+    limit = float(np.sqrt(4 * 0.015 * G * 0.004 * 2e-6) / 2.1e-6)
+    run = run_of(
+        body={"center_of_mass": [0.0, 0.0, side * 0.004]},
+        start={
+            "angular_velocity": [0.0, 0.0, share * limit],
+            "attitude": quaternion.from_rotation_vector([1e-3, 0, 0]).tolist(),
+        },
+        constraint={"friction": 0.0},
+        run={"duration": 3.0, "samples": 301, "accuracy": 1e-6},
+    )
+    theta = run.quantities["theta"]
+    assert (np.abs(theta - theta[0]).max() < 5e-3) == stays
+    words = f"stable at any speed with the centre of mass low, and above {limit:.6g} rad/s with it high."
+    assert run.remarks == (f"Spinning about the vertical is {words}",)
+    assert "theta of least energy" not in run.quantities
+
+
 def test_the_shipped_top_turns_over() -> None:
     run = simulate(Scene.load(path("scenes/tippe_top.toml")))
     assert run.quantities["theta"][0] == pytest.approx(0.1)

@@ -25,6 +25,7 @@ from inertia.records import dataclass
 
 _PARALLEL = 1e-9  # sine of the angle between two weights
 _SAME = 1e-3  # of an unbalance: places no farther apart are one
+_ALIKE = 9  # decimals of a misfit: what is beyond them is rounding
 _STEPS = 50
 _SETTLED = 1e-12
 _STIFF = 1e6
@@ -47,7 +48,7 @@ class AmplitudeFit:
 
 
 def amplitude_balance(amplitudes: ArrayLike, weights: ArrayLike) -> tuple[AmplitudeFit, ...]:
-    """Return the unbalances that explain amplitudes measured with weights, the best first.
+    """Return the unbalances that explain amplitudes measured with weights, the best first, of as good ones the smaller.
 
     Three runs leave two, as a rule; so do more whose weights all lie on one line. Where a second place fits as well as
     the first, another run tells: one weight in the direction of the first is enough.
@@ -86,7 +87,10 @@ def amplitude_balance(amplitudes: ArrayLike, weights: ArrayLike) -> tuple[Amplit
         for pair in combinations(np.flatnonzero(mounted != 0).tolist(), 2)
         for start in _of_three(float(sizes[bare].mean()), sizes[list(pair)], mounted[list(pair)])
     ]
-    fits = sorted((_fitted(sizes, mounted, start) for start in starts), key=lambda fit: fit.misfit)
+    fits = sorted(
+        (_fitted(sizes, mounted, start) for start in starts),
+        key=lambda fit: (round(fit.misfit, _ALIKE), abs(fit.unbalance)),
+    )
     fits = [AmplitudeFit(fit.unbalance * unit, fit.sensitivity * largest / unit, fit.misfit) for fit in fits]
     unlike: list[AmplitudeFit] = []
     for fit in fits:

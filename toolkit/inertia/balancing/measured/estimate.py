@@ -1,9 +1,11 @@
 """The unbalance that the runs of a job show, with its standard uncertainty.
 
 The readings of every run are V = A (u + w), with u the rotor's unbalance at the start and w what is mounted. Runs with
-different weights give A and u together by least squares; stored coefficients, or a balancing machine, whose A is one,
-give u from the last run. Without phase see `inertia.balancing.measured.amplitudes`; where the rotor was turned by θ on
-its tooling, V = A (T + e^{iθ} (u + w)), and `inertia.balancing.measured.index_balancing` tells the two apart.
+different weights give A by least squares; u is from what was read last with nothing on the rotor but what stays, the
+mean of the runs that repeat it one after the other. Stored coefficients, or a balancing machine, whose A is one, give u
+from the last run alone, as an error that runs have in common does not cancel there. Without phase see
+`inertia.balancing.measured.amplitudes`; where the rotor was turned by θ on its tooling, V = A (T + e^{iθ} (u + w)), and
+`inertia.balancing.measured.index_balancing` tells the two apart.
 
 Half-widths a of readings, their runout and weights count as standard uncertainties a/√3 and are carried through the
 whole calculation numerically, one after the other (JCGM 100:2008, 4.3.7 and note 2 to 5.1.3). What is stated of
@@ -66,7 +68,8 @@ class Estimate:
     residuals : (runs, channels) what neither weights nor the rest that all runs have in common explain of the readings
     residual_uncertainty : (runs, channels) standard, in the direction in which it is largest
     tooling : (n,) of indexed runs, what belongs to the tooling; None without them
-    fits : without phase, the unbalances at the start that explain the amplitudes, the best first
+    fits : without phase, the unbalances at the start that explain the amplitudes, the best first, of as good ones the
+        smaller
     """
 
     mounted: Complex
@@ -84,11 +87,16 @@ class Estimate:
     fits: tuple[AmplitudeFit, ...]
 
     @property
-    def ambiguous(self) -> bool:
-        """Whether two unbalances explain the amplitudes without phase, farther apart than either is uncertain."""
-        if len(self.fits) < 2 or self.fits[1].misfit > max(_SAME_FIT, 3.0 * self.fits[0].misfit):
-            return False
-        return abs(self.fits[1].unbalance - self.fits[0].unbalance) > COVERAGE * float(self.uncertainty[0])
+    def elsewhere(self) -> tuple[AmplitudeFit, ...]:
+        """Fits beside the first that explain the amplitudes as well, farther from it than it is uncertain."""
+        if len(self.fits) < 2:
+            return ()
+        as_well, apart = max(_SAME_FIT, 3.0 * self.fits[0].misfit), COVERAGE * float(self.uncertainty[0])
+        return tuple(
+            fit
+            for fit in self.fits[1:]
+            if fit.misfit <= as_well and abs(fit.unbalance - self.fits[0].unbalance) > apart
+        )
 
     @property
     def bounded(self) -> bool:
@@ -130,13 +138,19 @@ class _Inputs:
     stored: Complex | None
 
 
-def estimate(job: Job, stored: tuple[Complex, Float] | None = None) -> Estimate:
+def explanations(job: Job, result: Estimate) -> tuple[Estimate, ...]:
+    """Return an estimate, and the same for each further place of the heavy spot that explains the readings as well."""
+    return (result, *(estimate(job, near=replace(result, fits=(fit,))) for fit in result.elsewhere))
+
+
+def estimate(job: Job, stored: tuple[Complex, Float] | None = None, near: Estimate | None = None) -> Estimate:
     """Return the unbalance that a job's runs show.
 
     Parameters
     ----------
     job : as it is
     stored : coefficients (channels, n) of an earlier job, and their standard uncertainties
+    near : of several places that explain amplitudes, that nearest to its own; the first without it
 
     Raises `UsageError` where the runs do not tell the planes apart, `GeometryError` where the readings do not.
     """
@@ -145,7 +159,7 @@ def estimate(job: Job, stored: tuple[Complex, Float] | None = None) -> Estimate:
         matrix = np.eye(len(job.planes), dtype=complex)
     readings = job.vibrations if job.by_phase else job.amplitudes.astype(complex)
     inputs = _Inputs(readings, complex_of([weight for _, _, weight, _ in job.weights], "weights"), matrix)
-    nominal = _calculated(job, inputs)
+    nominal = _calculated(job, inputs, near)
     try:
         parts = [
             0.5 * (_parts(_calculated(job, up, nominal)) - _parts(_calculated(job, down, nominal)))
@@ -271,7 +285,7 @@ def _calculated(job: Job, inputs: _Inputs, near: Estimate | None = None) -> Esti
     positions = positions_of(job)
     turned = _turned(mounted, positions)
     matrix = _fitted(job, inputs.readings, mounted) if inputs.stored is None else inputs.stored
-    present = _present(inputs.readings, mounted, remaining, matrix)
+    present = _present(inputs.readings, mounted, remaining, matrix, inputs.stored is None)
     residuals = _unlike(inputs.readings - turned @ matrix.T, positions)
     answer = replace(answer, coefficients=matrix, present=present, residuals=residuals)
     if positions.any():
@@ -368,13 +382,17 @@ def _counted(number: int, noun: str) -> str:
     return f"one {noun}" if number == 1 else f"{number} {noun}s"
 
 
-def _present(readings: Complex, mounted: Complex, remaining: Complex, matrix: Complex) -> Complex:
-    """Return the readings of the last run with only on the rotor what stays there, or what they come to then."""
+def _present(readings: Complex, mounted: Complex, remaining: Complex, matrix: Complex, repeats: bool) -> Complex:
+    """Return the readings of the last run with only on the rotor what stays there, or what they come to then.
+
+    Where repeats count, it is the mean of all such runs that nothing else was between.
+    """
     largest = float(np.abs(mounted).max(initial=0.0))
     same = np.flatnonzero(np.abs(mounted - remaining).max(axis=1) <= _SAME * largest)
-    return complex_of(
-        readings[same[-1]] if len(same) else readings[-1] + matrix @ (remaining - mounted[-1]), "readings"
-    )
+    if not len(same):
+        return complex_of(readings[-1] + matrix @ (remaining - mounted[-1]), "readings")
+    last = np.split(same, np.flatnonzero(np.diff(same) > 1) + 1)[-1] if repeats else same[-1:]
+    return complex_of(readings[last].mean(axis=0), "readings")
 
 
 def _solved(job: Job, matrix: Complex, readings: Complex) -> Complex:

@@ -87,13 +87,15 @@ class Job(Document):
     text: str | None = None
     name: str = "the job"
     runs: tuple[RunFields, ...] = field(init=False)
+    _lines: tuple[tuple[str, ...], ...] = field(init=False)  # of the table: where the last readings of each run are
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "runs", self.fields.run)
+        object.__setattr__(self, "_lines", ((),) * len(self.runs))
         for name in ("plane", "sensor", "run"):
             _require_different(getattr(self.fields, name), name)
         if self.fields.readings is not None:
-            object.__setattr__(self, "runs", self._with_table(self.folder / self.fields.readings))
+            self._add_table(self.folder / self.fields.readings)
         self._require_sense()
 
     @classmethod
@@ -291,14 +293,19 @@ class Job(Document):
             return next(reading for reading in run.readings if reading.sensor == channel.sensor)
         return next(reading for reading in run.readings if self._channel(reading) == channel)
 
-    def _with_table(self, file: Path) -> tuple[RunFields, ...]:
-        """Return the runs with the readings of the table."""
-        more: dict[str, list[ReadingFields]] = {run.id: [] for run in self.fields.run}
+    def _add_table(self, file: Path) -> None:
+        """Add the readings of the table to the runs."""
+        more: dict[str, list[tuple[ReadingFields, str]]] = {run.id: [] for run in self.fields.run}
         for where, name, reading in readings_of(file):
             if name not in more:
                 raise UsageError(f"{where}: run is {name!r}, which the job does not have: add a [[run]] of that id")
-            more[name].append(reading)
-        return tuple(replace(run, readings=(*run.readings, *more[run.id]), path="run") for run in self.fields.run)
+            more[name].append((reading, where))
+        runs = (
+            replace(run, readings=(*run.readings, *(one for one, _ in more[run.id])), path="run")
+            for run in self.fields.run
+        )
+        object.__setattr__(self, "runs", tuple(runs))
+        object.__setattr__(self, "_lines", tuple(tuple(where for _, where in more[run.id]) for run in self.fields.run))
 
     def _require_sense(self) -> None:
         fields, conventions = self.fields, self.fields.conventions
@@ -330,7 +337,7 @@ class Job(Document):
         if not any(run.readings for run in self.runs):
             raise FieldError(*self._without_readings())
         for k, run in enumerate(self.runs):
-            self._require_readings(f"run[{k}]", run)
+            self._require_readings(k, run)
             if run.indexed and not self.by_phase:
                 raise FieldError(f"run[{k}].indexed", 'goes with phases, not with "without phase": leave it out')
         if not self.by_phase and (len(fields.plane) > 1 or len(self.channels) > 1):
@@ -364,28 +371,33 @@ class Job(Document):
                 'is missing: say whether the machine shows the angle of the "unbalance" or of the "correction"',
             )
 
-    def _require_readings(self, path: str, run: RunFields) -> None:
+    def _require_readings(self, number: int, run: RunFields) -> None:
         """Refuse a run whose readings are of nothing known, twice there, or not those of the first run."""
+        path, lines = f"run[{number}].readings", self._lines[number]
+        own = len(run.readings) - len(lines)
         names = {entry.id for entry in (self.fields.plane if self.by_machine else self.fields.sensor)}
         noun = "plane" if self.by_machine else "sensor"
         different: set[Channel] = set()
         for k, reading in enumerate(run.readings):
-            where = f"{path}.readings[{k}]"
+            line = lines[k - own] if k >= own else None
             if reading.sensor not in names:
-                raise FieldError(f"{where}.sensor", f"is {reading.sensor!r}: use one of {_listed(names)}")
+                raise _unusable(path, k, line, "sensor", f"is {reading.sensor!r}: use one of {_listed(names)}")
             if self.by_phase and reading.phase is None:
-                raise FieldError(f"{where}.phase", 'is missing: give it, or use method = "without phase"')
+                raise _unusable(path, k, line, "phase", 'is missing: give it, or use method = "without phase"')
             if reading.rpm is None and self.fields.rpm is None and not self.by_machine:
-                raise FieldError(f"{where}.rpm", "is missing: give it, or rpm at the top for all readings")
+                raise _unusable(path, k, line, "rpm", "is missing: give it, or rpm at the top for all readings")
             channel = Channel(reading.sensor, None) if self.by_machine else self._channel(reading)
             if channel in different:
-                raise FieldError(where, f"reads {channel} a second time in run {run.id!r}: give their mean")
+                says = f"reads {channel} a second time in run {run.id!r}: give their mean"
+                raise _unusable(path, k, line, "", says)
             different.add(channel)
+        table = self.fields.readings
+        of_table = f"(of run {run.id!r}, in {table}) " if table is not None and (lines or not own) else ""
         wanted = {Channel(name, None) for name in names} if self.by_machine else set(self.channels)
         if missing := sorted(map(str, wanted - different)):
-            raise FieldError(f"{path}.readings", f"lack {noun} {missing[0]}, which every run has to read")
+            raise FieldError(path, f"{of_table}lack {noun} {missing[0]}, which every run has to read")
         if further := sorted(map(str, different - wanted)):
-            raise FieldError(f"{path}.readings", f"have {noun} {further[0]}, which the first run does not read")
+            raise FieldError(path, f"{of_table}have {noun} {further[0]}, which the first run does not read")
 
     def _require_places(self) -> None:
         """Refuse planes whose place on the rotor is not known."""
@@ -400,6 +412,13 @@ class Job(Document):
 def json_schema() -> dict[str, Any]:
     """Return the JSON Schema of a job."""
     return document_schema(JobFields, "Job of inertia balance measure")
+
+
+def _unusable(path: str, number: int, line: str | None, name: str, says: str) -> UsageError:
+    """Return the refusal of a reading of a run, or where it is of a table, of a line there."""
+    if line is None:
+        return FieldError(f"{path}[{number}]{'.' * bool(name)}{name}", says)
+    return UsageError(f"{name or 'it'} {says}", places=(line,), code=FieldError.code)
 
 
 def _require_different(entries: tuple[Section, ...], name: str) -> None:

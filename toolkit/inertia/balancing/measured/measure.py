@@ -10,35 +10,39 @@ weights come from the planner of `inertia.balance`, by the measured unbalance an
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from inertia.arrays import Float, Progress
-from inertia.balancing.balance import Balance, balance
-from inertia.balancing.corrections.correction_plane import KitWeight
-from inertia.balancing.measured.estimate import COVERAGE, Estimate, estimate, fitted_coefficients, positions_of
+from inertia.balancing.balance import Balance, as_measured, balance
+from inertia.balancing.measured.estimate import (
+    COVERAGE,
+    Estimate,
+    estimate,
+    explanations,
+    fitted_coefficients,
+    positions_of,
+)
 from inertia.balancing.measured.influence import InfluenceCorrection, influence_correction
 from inertia.balancing.measured.job import Channel, Job, Plane
 from inertia.balancing.measured.job_fields import MeasuredPlaneFields
-from inertia.balancing.measured.positions import Piece, split_among
-from inertia.balancing.measured.remarks import contradiction, remarks
+from inertia.balancing.measured.pieces import added_by, limits_of, pieces_of, within_limits
+from inertia.balancing.measured.positions import Piece
+from inertia.balancing.measured.remarks import contradiction, on_places, remarks
 from inertia.balancing.measured.stored_coefficients import StoredCoefficients
 from inertia.balancing.shop_units import GRAM_MILLIMETRE, angular_speed, in_degrees
 from inertia.balancing.tolerance import accepted
 from inertia.balancing.unbalance import Complex
-from inertia.balancing.verdict import Outcome
+from inertia.balancing.verdict import Outcome, Verdict, judge
 from inertia.documents import FieldError
 from inertia.errors import GeometryError, UsageError, placed, require_kind
 from inertia.records import dataclass
 
 _GRAVEST = ("fail", "undecided", "conditional", "pass")
-_AIM = (
-    0.75  # of what is permissible beyond the uncertainty: what weights of a kit may leave of it, as plans of holes may
-)
 _FULL = 1e-6  # relative
 _CONTRADICTED = 5.0  # standard uncertainties: by chance, a reading is farther off 4 times in a million
-_UNSEEN = 0.5  # of the uncertainty: what weights may leave without adding more than an eighth to it
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,12 +190,12 @@ def _measured(job: Job, seconds: float | None, progress: Progress | None) -> Mea
     result = estimate(job, stored)
     correction = _correction(job, result)
     permissible = _permissible(job)
+    places = explanations(job, result)
+    vectors = within_limits(job, -result.unbalance) if correction is None else correction.unbalance
+    pieces = pieces_of(job, result, correction, permissible) if result.bounded else [()] * len(job.planes)
     planes = tuple(
-        _plane(job, k, result, -result.unbalance[k] if correction is None else correction.unbalance[k], permissible[k])
-        for k in range(len(job.planes))
+        _plane(job, k, places, complex(vectors[k]), pieces[k], permissible[k]) for k in range(len(job.planes))
     )
-    if not result.bounded:
-        planes = tuple(replace(plane, pieces=(), left=plane.correction) for plane in planes)
     predicted = _after(job, result, planes)
     notes = remarks(job, result, correction, stored is not None)
     for k, (plane, limit) in enumerate(zip(planes, job.fields.plane, strict=True)):
@@ -201,8 +205,10 @@ def _measured(job: Job, seconds: float | None, progress: Progress | None) -> Mea
         planes = tuple(replace(plane, pieces=(), left=plane.correction) for plane in planes)
         predicted = result.present
         notes.append("no weights at these positions and steps lower the readings: none are proposed")
+    mounted = any(plane.pieces for plane in planes)
+    notes += on_places(job, places, [abs(complex(_after(job, k, planes)[0])) for k in places if mounted])
     rotor = None if job.rotor is None or not result.bounded else _balance(job, result, seconds, progress)
-    outcome, why = _judged(job, result, planes, rotor)
+    outcome, why = _judged(job, places, planes, rotor)
     return Measurement(
         job=job,
         runs=_log(job, result, stored is not None or job.by_machine),
@@ -223,15 +229,11 @@ def _measured(job: Job, seconds: float | None, progress: Progress | None) -> Mea
 def _correction(job: Job, result: Estimate) -> InfluenceCorrection | None:
     if result.coefficients is None:
         return None
-    limits = [
-        math.inf if plane.max_mass_g is None else 1e-3 * plane.max_mass_g * job.per_mass(k)
-        for k, plane in enumerate(job.fields.plane)
-    ]
     return influence_correction(
         result.present,
         result.coefficients,
         importance=job.importance,
-        limits=limits,
+        limits=limits_of(job),
         criterion=job.fields.criterion,
     )
 
@@ -252,33 +254,26 @@ def _lower(job: Job, after: Complex, before: Complex) -> bool:
     return bool(np.linalg.norm(root * after, order) < np.linalg.norm(root * before, order))
 
 
-def _plane(job: Job, number: int, result: Estimate, correction: complex, permissible: float | None) -> MeasuredPlane:
-    fields, per_mass = job.fields.plane[number], job.per_mass(number)
-    if fields.max_mass_g is not None and not job.by_phase:
-        cap = 1e-3 * fields.max_mass_g * per_mass
-        correction *= min(1.0, cap / abs(correction)) if correction else 1.0
-    unbalance, uncertainty = complex(result.unbalance[number]), float(result.uncertainty[number])
-    pieces: tuple[Piece, ...] = ()
-    if not (job.by_machine and job.planes[number].radius is None):
-        pieces = split_among(
-            complex(correction / per_mass),
-            None if fields.positions is None else [math.radians(angle) for angle in fields.positions],
-            most=math.inf if fields.position_max_g is None else 1e-3 * fields.position_max_g,
-            most_in_all=math.inf if fields.max_mass_g is None else 1e-3 * fields.max_mass_g,
-            step=1e-3 * fields.mass_step_g,
-            kit=[KitWeight(k.name or f"{k.mass_g:g} g", 1e-3 * k.mass_g, k.stock) for k in fields.kit or ()],
-            most_pieces=fields.most_per_position,
-            enough=_enough(COVERAGE * uncertainty, permissible) / per_mass,
+def _plane(
+    job: Job,
+    number: int,
+    places: Sequence[Estimate],
+    correction: complex,
+    pieces: tuple[Piece, ...],
+    permissible: float | None,
+) -> MeasuredPlane:
+    outcome = None
+    if permissible is not None:
+        outcome = _agreed(
+            accepted(abs(k.unbalance[number]), permissible, COVERAGE * k.uncertainty[number]) for k in places
         )
-    added = sum((piece.vector for piece in pieces), 0j) * per_mass
-    outcome = None if permissible is None else accepted(abs(unbalance), permissible, COVERAGE * uncertainty)
     return MeasuredPlane(
         job.planes[number],
-        unbalance,
-        uncertainty,
-        complex(correction),
+        complex(places[0].unbalance[number]),
+        float(places[0].uncertainty[number]),
+        correction,
         pieces,
-        complex(correction - added),
+        correction - added_by(job, number, pieces),
         permissible,
         outcome,
     )
@@ -290,15 +285,6 @@ def _limited(plane: MeasuredPlane, fields: MeasuredPlaneFields) -> bool:
         return False
     step = min((weight.mass_g for weight in fields.kit or ()), default=fields.mass_step_g)
     return 1e3 * math.fsum(piece.mass for piece in plane.pieces) + step > (1.0 - _FULL) * fields.max_mass_g
-
-
-def _enough(expanded: float, permissible: float | None) -> float:
-    """Return what weights of a kit may leave of a correction: to leave less takes more of them, and shows nowhere."""
-    if not math.isfinite(expanded):
-        return 0.0
-    if permissible is None:
-        return _UNSEEN * expanded
-    return min(_AIM * permissible, max(_UNSEEN * expanded, _AIM * (permissible - expanded)))
 
 
 def _permissible(job: Job) -> list[float | None]:
@@ -319,52 +305,72 @@ def _permissible(job: Job) -> list[float | None]:
 def _balance(job: Job, result: Estimate, seconds: float | None, progress: Progress | None) -> Balance:
     """Correct the rotor of the file by the measured unbalance."""
     assert job.rotor is not None
-    vectors = [
+    rotor = job.rotor if seconds is None else job.rotor.planned_in(seconds)
+    return balance(rotor, measured=_vectors(job, result), progress=progress)
+
+
+def _vectors(job: Job, result: Estimate) -> list[tuple[float, complex, float]]:
+    """Return the unbalance of each plane as `balance` takes what was measured."""
+    return [
         (plane.z or 0.0, job.to_rotor(vector), COVERAGE * float(uncertainty))
         for plane, vector, uncertainty in zip(job.planes, result.unbalance.tolist(), result.uncertainty, strict=True)
     ]
-    rotor = job.rotor if seconds is None else job.rotor.planned_in(seconds)
-    return balance(rotor, measured=vectors, progress=progress)
+
+
+def _agreed(outcomes: Iterable[Outcome]) -> Outcome:
+    """Return the outcome wherever the heavy spot is; undecided where that depends on it."""
+    first, *others = outcomes
+    return first if all(one == first for one in others) else "undecided"
 
 
 def _judged(
-    job: Job, result: Estimate, planes: tuple[MeasuredPlane, ...], rotor: Balance | None
+    job: Job, places: Sequence[Estimate], planes: tuple[MeasuredPlane, ...], rotor: Balance | None
 ) -> tuple[Outcome | None, tuple[str, ...]]:
-    outcomes: list[Outcome] = []
+    """Judge the rotor; by several places of the heavy spot where these explain the readings alike."""
+    result, outcomes = places[0], list[Outcome]()
     why: list[str] = []
-    for plane in planes:
+    for k, plane in enumerate(planes):
         if plane.outcome is not None and plane.permissible is not None:
             outcomes.append(plane.outcome)
-            size, expanded, limit = told_apart(
-                abs(plane.unbalance) / GRAM_MILLIMETRE,
-                plane.expanded / GRAM_MILLIMETRE,
-                plane.permissible / GRAM_MILLIMETRE,
-            )
-            known = f"{size} ± {expanded} g·mm" if result.bounded else f"{size} g·mm, which the readings do not bound,"
-            why.append(f"plane {plane.plane.id}: {known} against {limit} g·mm: {plane.outcome.upper()}")
+            sizes = [(abs(one.unbalance[k]), COVERAGE * float(one.uncertainty[k])) for one in places]
+            said = _against(sizes, plane.permissible, GRAM_MILLIMETRE, "g·mm")
+            why.append(f"plane {plane.plane.id}: {said} g·mm: {plane.outcome.upper()}")
     if rotor is not None:
-        verdict = rotor.initial_verdict
-        outcomes.append(verdict.outcome)
-        why += verdict.why
+        verdicts = [rotor.initial_verdict, *(_verdict_of(job, one, rotor) for one in places[1:])]
+        outcomes.append(_agreed(verdict.outcome for verdict in verdicts))
+        why += rotor.initial_verdict.why
+        why += [f"at another place of the heavy spot: {says}" for verdict in verdicts[1:] for says in verdict.why]
     elif job.rotor is not None:
         outcomes.append("undecided")
         why.append("bearings: the readings do not bound the unbalance: UNDECIDED")
     greatest = job.fields.tolerance.vibration
     if greatest is not None and not job.by_machine:
         for k, channel in enumerate(job.channels):
-            reading = float(abs(result.present[k]))
-            off, known = _off(job, result, k)
-            outcomes.append(accepted(reading, greatest, off))
-            unit, said = job.unit_of(channel), outcomes[-1].upper()
-            size, spread, limit = told_apart(reading, off, greatest, fewer=2)
-            why.append(f"{channel}{known}: {size} ± {spread} {unit} against {limit}: {said}")
-    if outcomes and result.ambiguous:
-        outcomes.append("undecided")
+            readings = [(float(abs(one.present[k])), _off(job, one, k)[0]) for one in places]
+            outcomes.append(_agreed(accepted(reading, greatest, off) for reading, off in readings))
+            said = _against(readings, greatest, 1.0, job.unit_of(channel), fewer=2)
+            why.append(f"{channel}{_off(job, result, k)[1]}: {said}: {outcomes[-1].upper()}")
     if outcomes and (off := contradiction(job, result)) > _CONTRADICTED:
         outcomes.append("undecided")
         far = f"{off:.{1 if off < 10 else 0}f} standard uncertainties"
         why.insert(0, f"the runs contradict each other by {far}: nothing passes by them")
     return min(outcomes, key=_GRAVEST.index, default=None), tuple(why)
+
+
+def _against(sizes: Sequence[tuple[float, float]], limit: float, per: float, unit: str, fewer: int = 0) -> str:
+    """Return what may be there, each with its uncertainty, and the limit, without its unit, in words."""
+    figures = [told_apart(size / per, off / per, limit / per, fewer) for size, off in sizes]
+    known = (
+        f"{size} ± {off} {unit}" if math.isfinite(float(off)) else f"{size} {unit}, which the readings do not bound,"
+        for size, off, _ in figures
+    )
+    return f"{' or '.join(known)} against {max((figure[2] for figure in figures), key=len)}"
+
+
+def _verdict_of(job: Job, result: Estimate, rotor: Balance) -> Verdict:
+    """Judge the rotor of the file by another unbalance than the one that it was balanced by."""
+    measured = as_measured(rotor.initial, _vectors(job, result))
+    return judge(measured, rotor.tolerance, rotor.tolerance_planes, rotor.rigid)
 
 
 def _off(job: Job, result: Estimate, channel: int) -> tuple[float, str]:

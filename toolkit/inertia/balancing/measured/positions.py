@@ -18,7 +18,10 @@ from inertia.records import dataclass
 
 _NOTHING = 1e-9  # of the whole: masses that are none
 _FOLLOWED = 64  # roundings followed up
+_ANYWHERE = math.radians(15.0)
 _FIRM = 1e4  # weight of an equation that has to be met, beside others of 1
+_CLOSE = 1e-14  # relative, of steps that count beside such an equation
+_ITERATIONS = 10  # a bound, for each unknown
 _OVER = 1e-6  # of a limit: what a correction that keeps it was rounded by
 _LISTED = 200_000  # choices of weights that are listed at once
 _MANY = 32  # weights, whose choices are not listed any more
@@ -90,6 +93,45 @@ def split_among(
     return _rounded(vector, exact, step, most, limit)
 
 
+def least_together(
+    target: Complex, matrix: Complex, angles: Sequence[Sequence[float] | None], most: Float, in_all: Float
+) -> Complex:
+    """Return the vectors (n,) of masses, in all planes at once, that make |target + matrix · vectors|² least.
+
+    It is the least squares over the masses of all positions, and of a plane without any over directions 15° apart; that
+    masses and what is left of a limit come to that limit is an equation of great weight.
+
+    Parameters
+    ----------
+    target : (m,) not zero
+    matrix : (m, n) per kg, no column of it zero
+    angles : rad, the positions of each plane; None for anywhere
+    most : (n,) kg at one position; infinite for no limit, as
+    in_all : (n,) kg of all masses of a plane together
+    """
+    size, planes = float(np.linalg.norm(target)), len(angles)
+    units = np.minimum(in_all, size / np.linalg.norm(matrix, axis=0))
+    places = [np.arange(0.0, 2.0 * np.pi, _ANYWHERE) if each is None else np.asarray(each, float) for each in angles]
+    owner = np.repeat(np.arange(planes), [len(each) for each in places])
+    directions = np.exp(1j * np.concatenate(places))
+    effects = (matrix * units / size)[:, owner] * directions
+    limits = _FIRM * (np.arange(planes)[:, None] == owner)[np.isfinite(in_all)]
+    rest = _FIRM * np.eye(planes)[np.isfinite(in_all)][:, np.isfinite(in_all)]
+    rows = np.block(
+        [
+            [effects.real, np.zeros((len(target), len(rest)))],
+            [effects.imag, np.zeros((len(target), len(rest)))],
+            [limits, rest],
+        ]
+    )
+    wanted = np.concatenate([-target.real, -target.imag, _FIRM * size * (in_all / units)[np.isfinite(in_all)]]) / size
+    largest = np.concatenate([(most / units)[owner], np.full(len(rest), np.inf)])
+    masses = _within(rows, wanted, largest)[: len(owner)]
+    parts = masses * directions
+    vectors: Complex = units * np.array([parts[owner == k].sum() for k in range(planes)])
+    return vectors
+
+
 def _mass(pieces: Sequence[Piece]) -> float:
     return math.fsum(piece.mass for piece in pieces)
 
@@ -115,21 +157,29 @@ def _least_squares(
     vector: complex, places: Sequence[float], most: float, in_all: float | None = None
 ) -> tuple[Piece, ...]:
     """Return the masses that leave least, those of all together where that is said: as an equation of great weight."""
-    from scipy.optimize import lsq_linear
-
-    size = abs(vector)
+    size = abs(vector) if in_all is None else in_all
     if not size:
         return ()
     matrix = np.array([np.cos(places), np.sin(places)])
     target = np.array([vector.real, vector.imag]) / size
     if in_all is not None:
-        matrix = np.vstack([matrix, np.full(len(places), _FIRM)])
-        target = np.append(target, _FIRM * in_all / size)
+        firm = _FIRM * max(1.0, abs(vector) / in_all)
+        matrix = np.vstack([matrix, np.full(len(places), firm)])
+        target = np.append(target, firm)
     limit = most / size
-    masses = lsq_linear(matrix, target, (0.0, limit if math.isfinite(limit) else np.inf), method="bvls").x
+    masses = _within(matrix, target, np.full(len(places), limit))
     return tuple(
         Piece(angle, size * mass) for angle, mass in zip(places, masses.tolist(), strict=True) if mass > _NOTHING
     )
+
+
+def _within(matrix: Float, target: Float, most: Float) -> Float:
+    """Return the least squares from 0 to the most; equations of great weight outweigh what is left of the others."""
+    from scipy.optimize import lsq_linear
+
+    found = lsq_linear(matrix, target, (0.0, most), method="bvls", tol=_CLOSE, max_iter=_ITERATIONS * len(most))
+    solution: Float = found.x
+    return solution
 
 
 def _rounded(vector: complex, pieces: tuple[Piece, ...], step: float, most: float, limit: float) -> tuple[Piece, ...]:

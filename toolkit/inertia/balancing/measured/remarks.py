@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
@@ -13,7 +14,7 @@ from inertia.balancing.measured.influence import CONDITION_WARNING, InfluenceCor
 from inertia.balancing.measured.job import AMPLITUDE, PHASE, Job
 from inertia.balancing.measured.trial_weights import trial_response
 from inertia.balancing.measured.vibration_units import vibration_unit
-from inertia.balancing.shop_units import in_degrees
+from inertia.balancing.shop_units import GRAM_MILLIMETRE, in_degrees
 from inertia.balancing.unbalance import Complex
 
 _DROWNED = 3.0  # standard uncertainties that a trial weight's effect should exceed
@@ -50,18 +51,42 @@ def remarks(
             "the readings do not bound the unbalance: what a weight does to them is known to no better than a half of "
             "it; nothing passes or fails by that, and no weights are proposed: repeat with larger trial weights"
         )
-    if result.ambiguous:
-        places = " and ".join(f"{round(in_degrees(fit.unbalance), 1) % 360.0:.1f}°" for fit in result.fits[:2])
-        notes.append(
-            f"two places of the heavy spot explain the amplitudes, {places}: mount the correction of the first, and "
-            "add the run; it tells which"
-        )
     if job.fields.tolerance.grade is not None and len(job.planes) > 1:
         notes.append(
             "the permissible unbalance is shared equally among the planes: name a rotor file to have it shared by the "
             "centre of mass"
         )
     return notes
+
+
+def on_places(job: Job, places: Sequence[Estimate], after: Sequence[float]) -> list[str]:
+    """Name the places of the heavy spot where there are several, and how a run with the correction tells which it is.
+
+    Parameters
+    ----------
+    job : without phase
+    places : what the readings say if it is at each of them
+    after : the amplitude that the correction of the first leaves in each case; empty where none is proposed
+    """
+    if len(places) < 2:
+        return []
+    size, unit = (1e3, "g") if job.weighed_alone else (1 / GRAM_MILLIMETRE, "g·mm")
+    named = " and ".join(
+        f"{size * abs(one):.4g} {unit} at {_degrees(one)}" for one in (complex(k.unbalance[0]) for k in places)
+    )
+    note = f"{'two' if len(places) == 2 else len(places)} places of the heavy spot explain the amplitudes, {named}"
+    if after:
+        (channel,), second = job.channels, complex(places[1].unbalance[0])
+        note += (
+            f": mount the correction of the first, and add the run; it tells which, as {channel.sensor} shows "
+            f"{after[1]:.3g} {job.unit_of(channel)} with it if the second is true, which takes "
+            f"{1e3 * abs(second) / job.per_mass(0):.4g} g at {_degrees(-second)}"
+        )
+    return [note]
+
+
+def _degrees(vector: complex) -> str:
+    return f"{round(in_degrees(vector), 1) % 360.0:.1f}°"
 
 
 def _on_readings(job: Job) -> list[str]:

@@ -48,8 +48,9 @@ def _rows(file: Path) -> Iterator[tuple[str, str, ReadingFields]]:
             head = [cell.lower() for cell in cells]
             for name in ("run", "sensor", "amplitude"):
                 if name not in head:
+                    parted = ", parted by commas or semicolons, not by tabs" if "\t" in first else ""
                     raise ReadError(
-                        f"cannot read {file}: no column {name}: its first line must name {', '.join(_COLUMNS)}",
+                        f"cannot read {file}: no column {name}: its first line must name {', '.join(_COLUMNS)}{parted}",
                         code="table",
                     )
             if unknown := [name for name in head if name not in _COLUMNS]:

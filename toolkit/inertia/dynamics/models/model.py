@@ -23,7 +23,7 @@ from inertia.dynamics.loads.load import Load
 from inertia.dynamics.models.neighbours import InputBound
 from inertia.dynamics.models.rational import Exact, rounded
 from inertia.dynamics.motion import Motion
-from inertia.dynamics.scene.document import Scene
+from inertia.dynamics.scene.document import NO_THICKNESS, Scene
 from inertia.mass.principal import principal
 from inertia.records import dataclass
 
@@ -47,7 +47,7 @@ class Problem:
     reference : (3,) m, part axes: the centre of mass, or the fixed point
     axes : (3, 3), columns in part axes: the principal axes about the reference point
     moments : (3,) kg m², about them, ascending
-    uncertainty : relative, the largest bound on a moment: what the mass properties are known to
+    uncertainty : relative, the largest bound on a moment: what the mass properties are known to; infinite of none
     angular_velocity : (3,) rad/s at t = 0, along those axes
     arm : (3,) m, along them, from the reference point to the centre of mass
     exact : all of these before they were rounded to float64
@@ -73,12 +73,14 @@ class Problem:
         # With no tolerance nearly equal moments keep the axes that they have.
         about = principal(body.about(reference), 0.0) if arm.any() else body.principal_within(0.0)
         exact = Exact.of(scene, reference, about.axes, bool(arm.any()))
+        there = about.moments > NO_THICKNESS * about.moments[2]
+        unknown = np.divide(about.moment_bounds, about.moments, out=np.full(3, np.inf), where=there)
         return cls(
             scene=scene,
             reference=reference,
             axes=np.array([rounded(row)[0] for row in exact.frame.rows]),
             moments=rounded(exact.frame.values)[0],
-            uncertainty=float((about.moment_bounds / about.moments).max()),
+            uncertainty=float(unknown.max()),
             angular_velocity=rounded(exact.frame.along(exact.spin))[0],
             arm=rounded(exact.frame.along(exact.arm))[0],
             exact=exact,
@@ -96,9 +98,17 @@ class Problem:
         return float(np.linalg.norm(self.angular_velocity)) * self.duration
 
     @cached_property
+    def least(self) -> float:
+        """The smallest moment, kg m²; where that vanishes the one about the axle, or across the line to the mass."""
+        if self.moments[0] > NO_THICKNESS * self.moments[2]:
+            return float(self.moments[0])
+        along = self.axes.T @ self.axle if self.hinged else np.array([0.0, 1.0, 0.0])
+        return float(self.moments @ along**2)
+
+    @cached_property
     def angle_by_weight(self) -> float:
         """The angle in rad that gravity could turn the body by: ½ M g h T²/I1."""
-        pull = self.weight * float(np.linalg.norm(self.arm)) / float(self.moments[0])
+        pull = self.weight * float(np.linalg.norm(self.arm)) / self.least
         return 0.5 * pull * self.duration**2
 
     @property
@@ -127,7 +137,7 @@ class Problem:
         """How far a moment may be off, as a part of it; 0 where the whole tensor was typed."""
         if not self.exact.tensor_bound:
             return 0.0
-        bound = self.exact.tensor_bound / float(self.moments[0])
+        bound = self.exact.tensor_bound / self.least
         return bound if self.arm.any() or self.scene.body.properties is None else min(bound, self.uncertainty)
 
     @property
@@ -144,7 +154,7 @@ class Problem:
         if radius is not None:
             speed = float(np.linalg.norm(self.angular_velocity))
             return math.hypot(speed, math.sqrt(float(np.linalg.norm(self.scene.gravity)) / radius))
-        swing = math.sqrt(self.weight * float(np.linalg.norm(self.arm)) / float(self.moments[0]))
+        swing = math.sqrt(self.weight * float(np.linalg.norm(self.arm)) / self.least)
         return max(float(np.linalg.norm(self.angular_velocity)), swing)
 
     @property
@@ -161,7 +171,7 @@ class Problem:
         """How far a moment, or the torque of the weight against the inertia, may be off, as a part of it."""
         if not self.weight:
             return self.relative_tensor_bound
-        pull = self.weight * float(np.linalg.norm(self.arm)) / float(self.moments[0]) / self.pace**2
+        pull = self.weight * float(np.linalg.norm(self.arm)) / self.least / self.pace**2
         return self.relative_tensor_bound + pull * self.relative_weight_bound
 
     @property
@@ -173,7 +183,8 @@ class Problem:
     @property
     def rigid(self) -> bool:
         """Whether a rigid body turns in all ways about its centre of mass or a fixed point."""
-        return not self.rolls and not self.slides and not self.hinged and not self.scene.body.deforms
+        held = self.rolls or self.slides or self.hinged or self.scene.is_pendulum
+        return not held and not self.scene.body.deforms
 
     @cached_property
     def torques(self) -> tuple[Load, ...]:

@@ -96,7 +96,9 @@ def _equations(candidate: Candidate) -> Equations | None:
         return hinged_equations(problem)
     if problem.rolls:
         return rolling_equations(candidate)
-    return sliding_equations(problem) if problem.slides else jointed_equations(problem)
+    if problem.slides:
+        return sliding_equations(problem)
+    return jointed_equations(problem) if problem.scene.body.deforms else None
 
 
 def _unit(equations: Equations, states: list[Long], time: Float) -> tuple[Float, Float]:

@@ -38,7 +38,7 @@ class SceneBody:
 
     Attributes
     ----------
-    inertia : (3, 3) kg m² about the centre of mass; signs as in `inertia.mass.tensor`
+    inertia : (3, 3) kg m² about the centre of mass; signs as in `inertia.mass.tensor`; zero of a point mass
     mass : kg; None where the scene gives none, which is enough for a free body
     center_of_mass : (3,) m
     axes : (3, 3), columns in part axes: the axes that ``frame = "principal"`` means; without it those of ascending
@@ -74,8 +74,6 @@ class SceneBody:
         object.__setattr__(self, "center_of_mass", array_of(self.center_of_mass, (3,), "center_of_mass"))
         if reasons := faults(self.inertia):
             raise GeometryError(f"the inertia tensor is not physical: {reasons[0]}", code="unphysical")
-        if not np.any(self.inertia):
-            raise GeometryError("the inertia tensor is zero: a point has no attitude to follow")
         if self.mass is not None and not 0 < self.mass < np.inf:
             raise GeometryError(f"the mass is {self.mass:.6g} kg: it must be positive and finite")
         if self.axes is None:

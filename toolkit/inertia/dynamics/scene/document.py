@@ -30,9 +30,11 @@ from inertia.errors import FieldPath, GeometryError, ReadError, UsageError, plac
 from inertia.records import dataclass
 
 _SECTIONS = ("schema", "body", "part", "start", "constraint", "load", "run")
-_FAR = 10.0  # sizes of the body
+_FAR = 10.0  # sizes of the body, beyond which a point may be in another unit
 _ALONG = 1e-9  # of a velocity along a plane, that may point out of it
-_NO_THICKNESS = 1e-30  # of the largest moment: less is no body, and its axis turns faster than can be followed
+
+NO_THICKNESS = 1e-30
+"""Of the largest moment: less is none, and such an axis turns faster than can be followed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,6 +145,29 @@ class Scene(Document):
         """The orbit that the centre of mass goes on; None where it goes on none."""
         return next((load for load in self.applied_loads if isinstance(load, Orbit)), None)
 
+    @property
+    def arm(self) -> Float:
+        """From the point of the constraint to the centre of mass, (3,) m, part axes."""
+        return self.body.center_of_mass - self.constraint.fixed_point
+
+    @cached_property
+    def is_pendulum(self) -> bool:
+        """Whether all mass lies on one line through a fixed point: a point mass, or a thin rod, that swings."""
+        held_off = self.constraint.kind == "fixed_point" and self.arm.any()
+        return bool(held_off and _has_no_moment(self, self.arm / np.linalg.norm(self.arm)))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the scene leaves to ask, in sentences: those of the body, and whether the point is in another unit."""
+        body, arm = self.body, float(np.linalg.norm(self.arm))
+        if not self.constraint.holds or not arm or body.mass is None:
+            return body.notes
+        size = 2.0 * float(np.sqrt(5.0 * body.principal.second_moments.max() / body.mass))
+        if not 0 < _FAR * size < arm:
+            return body.notes
+        far = f"constraint.point is {arm:.4g} m from the centre of mass of a body that is about {size:.3g} m long"
+        return (*body.notes, f"{far}: it counts in m, along the part axes")
+
     def in_part_axes(self, vector: Float, frame: Frame) -> Float:
         """Return the part components (3,) of a vector given in `frame` at t = 0."""
         if frame == "part":
@@ -163,18 +188,11 @@ def _load(load: object, path: str, folder: Path, name: str) -> Load:
 
 def _require_sense(scene: Scene) -> None:
     """Raise `UsageError` where fields contradict each other or one is lacking, `GeometryError` for what cannot be."""
-    least, _, largest = scene.body.principal.moments
-    if not least > _NO_THICKNESS * largest:
-        raise GeometryError(
-            f"the smallest principal moment is {least:.3g} kg m², and about an axis that no mass is away from there "
-            "is no rotation to follow: give the body a thickness"
-        )
     _require_mass(scene)
+    _require_moments(scene)
     if scene.body.deforms and scene.constraint.kind != "free":
         raise FieldError("constraint.kind", f'is "{scene.constraint.kind}": a body that changes its shape must be free')
     _require_loads_that_fit(scene)
-    if scene.constraint.holds:
-        _require_near(scene)
     if scene.start.velocity is not None and scene.constraint.kind not in ("free", "sliding"):
         raise FieldError("start.velocity", "is given, but the constraint decides it: leave it out")
     if scene.constraint.kind == "sliding":
@@ -191,8 +209,39 @@ def _is_turned(scene: Scene) -> bool:
         return True
     if scene.constraint.kind == "rolling" or (scene.constraint.friction and scene.start.velocity is not None):
         return bool(scene.gravity.any())
-    arm = scene.constraint.fixed_point - scene.body.center_of_mass
-    return scene.constraint.kind != "free" and bool(scene.gravity.any() and arm.any())
+    return scene.constraint.kind != "free" and bool(scene.gravity.any() and scene.arm.any())
+
+
+def _has_no_moment(scene: Scene, axis: Float) -> bool:
+    """Whether no mass is away from an axis (3,), of unit length, through the point of the constraint."""
+    principal, mass, arm = scene.body.principal, scene.body.mass or 0.0, scene.arm
+    # Squares: what rounding leaves of a moment that vanishes is far below the limit.
+    along, off = principal.axes.T @ axis, np.cross(axis, arm)
+    moment = float(principal.moments @ along**2 + mass * (off @ off))
+    return not moment > NO_THICKNESS * float(principal.moments[2] + mass * (arm @ arm))
+
+
+def _require_moments(scene: Scene) -> None:
+    """Raise `GeometryError` where there is no moment about an axis that the body may turn about."""
+    least, _, largest = scene.body.principal.moments
+    if scene.constraint.kind == "hinge":
+        assert scene.constraint.axis is not None  # the constraint saw to it
+        if _has_no_moment(scene, scene.constraint.axis):
+            raise GeometryError(
+                "no mass is away from the axle, about which there is no rotation to follow then: give the body a "
+                "thickness, or ",
+                FieldPath("constraint.point"),
+                " another place",
+            )
+    elif scene.constraint.kind == "fixed_point" and scene.arm.any():
+        return  # there are moments about it, or it is a pendulum
+    elif not largest:
+        raise GeometryError("the inertia tensor is zero: a point has no attitude to follow, unless it is held off it")
+    elif not least > NO_THICKNESS * largest:
+        raise GeometryError(
+            f"the smallest principal moment is {least:.3g} kg m², and about an axis that no mass is away from there "
+            "is no rotation to follow: give the body a thickness"
+        )
 
 
 def _require_mass(scene: Scene) -> None:
@@ -204,7 +253,7 @@ def _require_mass(scene: Scene) -> None:
             raise FieldError("body.mass", f"is missing: load[{k}], {load.kind}, acts on mass")
     if constraint.kind in ("rolling", "sliding"):
         raise FieldError("body.mass", f"is missing: a {constraint.kind} body needs it")
-    if constraint.holds and np.any(constraint.fixed_point - body.center_of_mass):
+    if constraint.holds and np.any(scene.arm):
         raise FieldError("body.mass", f"is missing: the moments about {constraint.held_at} need it")
 
 
@@ -224,6 +273,8 @@ def _require_loads_that_fit(scene: Scene) -> None:
         if kind in ("rolling", "sliding") and not isinstance(load, Gravity):
             raise FieldError(f"load[{k}]", f"is {load.kind}: a {kind} body takes gravity only")
         load.require_span(scene.run.duration, f"load[{k}]")
+    if scene.is_pendulum:
+        _require_gravity_alone(scene)
     if scene.orbit is not None:
         _require_orbit_alone(scene)
     if kind == "rolling":
@@ -235,7 +286,7 @@ def _require_loads_that_fit(scene: Scene) -> None:
 def _require_ball(scene: Scene) -> None:
     """Raise `FieldError` where a ball that slides is not on its plane, or its centre of mass not within it."""
     held, velocity = scene.constraint, scene.start.velocity
-    radius, arm = held.radius or 0.0, float(np.linalg.norm(held.fixed_point - scene.body.center_of_mass))
+    radius, arm = held.radius or 0.0, float(np.linalg.norm(scene.arm))
     if arm >= radius:
         raise FieldError(
             "constraint.point", f"is {arm:.6g} m from the centre of mass, which lies within the ball of {radius:.6g} m"
@@ -244,6 +295,17 @@ def _require_ball(scene: Scene) -> None:
         raise FieldError("load", 'needs one of kind = "gravity" that presses the body on the plane it slides on')
     if velocity is not None and abs(float(velocity @ held.plane)) > _ALONG * float(np.linalg.norm(velocity)):
         raise FieldError("start.velocity", "points out of the plane or into it: the part along the normal follows")
+
+
+def _require_gravity_alone(scene: Scene) -> None:
+    """Raise `FieldError` where something else than gravity turns a body that has no moment about the line it is on."""
+    what = "a body whose mass lies on one line through the fixed point"
+    for k, load in enumerate(scene.applied_loads):
+        if not isinstance(load, Gravity):
+            raise FieldError(f"load[{k}]", f"is {load.kind}: {what} takes gravity only, give it a thickness")
+    assert scene.body.mass is not None  # an arm needs one
+    if not scene.body.mass * float(np.linalg.norm(scene.gravity)) * float(np.linalg.norm(scene.arm)):
+        raise FieldError("load", f'needs one of kind = "gravity" for {what}: give it a thickness without')
 
 
 def _require_orbit_alone(scene: Scene) -> None:
@@ -256,21 +318,6 @@ def _require_orbit_alone(scene: Scene) -> None:
     for name in ("position", "velocity"):
         if getattr(scene.start, name) is not None:
             raise FieldError(f"start.{name}", "is given beside an orbit, which decides it: leave it out")
-
-
-def _require_near(scene: Scene) -> None:
-    """Refuse a fixed point that no body of these moments would be held at: metres for millimetres, most often."""
-    body = scene.body
-    arm = float(np.linalg.norm(scene.constraint.fixed_point - body.center_of_mass))
-    if arm == 0 or body.mass is None:
-        return
-    size = 2.0 * float(np.sqrt(5.0 * scene.body.principal.second_moments.max() / body.mass))
-    if arm > _FAR * size:
-        raise GeometryError(
-            FieldPath("constraint.point"),
-            f" is {arm:.4g} m from the centre of mass of a body that is about {size:.3g} m long, and "
-            f"the limit is {_FAR:g} lengths: give the point in m, along the part axes",
-        )
 
 
 def _fields(section: Any) -> dict[str, Any]:

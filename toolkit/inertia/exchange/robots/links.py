@@ -191,6 +191,7 @@ class Link:
     placement : of its axes in those of `parent`
     fault : why what is stated of it cannot be read, a sentence; "" where it can
     joint : what it hangs on, whether that moves or not; None of a root, and where the format's joints are not read
+    further : joints that move it beside that one, in their order, each in the axes that the ones before leave it with
     mass : kg that geometries with densities weigh together, in proportion to these; None where nothing scales them
     stated : of what these have together, where `inertial` is None; None where they have all of it
     """
@@ -204,10 +205,16 @@ class Link:
     joint: Joint | None = None
     mass: float | None = None
     stated: Partial | None = None
+    further: tuple[Joint, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", visible(self.name))
         object.__setattr__(self, "parent", self.parent and visible(self.parent))
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """All the joints that it hangs on."""
+        return self.further if self.joint is None else (self.joint, *self.further)
 
 
 @dataclass(frozen=True, eq=False)

@@ -327,6 +327,9 @@ def _body(
         inertial, fault = _inertial(stated, what, model), ""
     except ReadError as error:
         inertial, fault = None, str(error)
+    first, *further = [_joint(each, name, parent, placement, model) for each in joints] or [
+        Joint(_unused(name, model.joints), parent, placement)
+    ]
     yield Link(
         name,
         inertial,
@@ -334,20 +337,19 @@ def _body(
         hangs,
         placement if hangs else Placement(),
         fault,
-        _joint(joints, name, parent, placement, model),
+        first,
+        further=tuple(further),
     )
     yield from _bodies(element, name, childclass, model, count)
 
 
 def _joint(
-    elements: list[tuple[Element, Placement, str]], link: str, parent: str | None, placement: Placement, model: _Model
+    one: tuple[Element, Placement, str], link: str, parent: str | None, placement: Placement, model: _Model
 ) -> Joint:
-    if not elements or elements[0][0].tag == "freejoint":
+    element, where, childclass = one
+    if element.tag == "freejoint":
         return Joint(_unused(link, model.joints), parent, placement)
-    element, where, childclass = elements[0]
     name = element.get("name") or _unused(link, model.joints)
-    if len(elements) > 1:
-        return Joint(name, parent, placement, "other")
     attributes, what = model.attributes(element, childclass), f"joint {shown(name)}"
     kind: Motion = _MOTIONS.get(attributes.get("type", "hinge"), "other")
     axis = where.rotation @ numbers(attributes, "axis", 3, [0.0, 0.0, 1.0], what)

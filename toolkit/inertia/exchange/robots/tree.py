@@ -48,7 +48,7 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
     if robot.format not in _FORMATS:
         raise UsageError(f"{robot.path}: the joints of {robot.format} are not read: give URDF, MJCF, SDFormat or USD")
     positions = dict(joints or {})
-    known = {link.joint.name: link.joint for link in robot.links if link.joint is not None}
+    known = {joint.name: joint for link in robot.links for joint in link.joints}
     for name, value in positions.items():
         if name not in known or known[name].kind not in ("turns", "slides"):
             what = "does not turn or slide" if name in known else "is none of the robot's"
@@ -76,8 +76,11 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
             as_a_rule = ", where programs take 1 kg and 1 kg m² for it" if robot.format == "sdf" else ""
             states = "no mass" if link.mass is None else f"a mass of {link.mass:g} kg, but no shape that has it"
             notes.append(f"link {link.name} states {states}: it is a group{as_a_rule}; give it a file or a mass")
-        if link.joint is not None and link.joint.kind == "other":
-            notes.append(f"joint {link.joint.name} neither turns nor slides about one axis: it is at its rest")
+        notes += [
+            f"joint {joint.name} neither turns nor slides about one axis: it is at its rest"
+            for joint in link.joints
+            if joint.kind == "other"
+        ]
     if robot.mass is not None:
         _scale([part for part in parts if "mass" in part or "density" in part], robot.mass)
     return {"schema": 1, "name": robot.name or robot.path.stem, "unit": "m", "part": parts}, tuple(notes)
@@ -192,7 +195,9 @@ def _part(link: Link, positions: Mapping[str, float]) -> dict[str, Any]:
     if (joint := link.joint) is not None:
         if joint.parent is not None:
             part["parent"] = joint.parent
-        place = joint.placement.then(_moved(joint, positions.get(joint.name, joint.rest)))
+        place = joint.placement
+        for each in link.joints:
+            place = place.then(_moved(each, positions.get(each.name, each.rest)))
         part |= _placed(place)
     if (stated := link.inertial) is not None and stated.mass > 0:
         rotation = stated.placement.rotation

@@ -264,8 +264,11 @@ def _write_turning(recording: Recording, room: str, run: Run, axis: Axis, size: 
 def _write_spin(recording: Recording, run: Run) -> str:
     """Write the spin about the axis of symmetry, and the least, 2 √(I₁ M g h) / I₃, with which it stays upright."""
     problem, moments = run.plan.problem, run.plan.moments
-    least = 2.0 * np.sqrt(moments[0] * problem.weight * np.linalg.norm(problem.arm)) / moments[2]
     spin = run.angular_velocity @ run.plan.axes[:, 2]
+    if not moments[2]:
+        recording.scalars(entities.PLOT_SPIN, run.time, lambda rows: spin[rows, None], ["spin, rad/s"], COLORS[2:3])
+        return "it has no moment about its axis: no spin would keep it upright"
+    least = 2.0 * np.sqrt(moments[0] * problem.weight * np.linalg.norm(problem.arm)) / moments[2]
     table = np.stack([spin, np.full_like(spin, np.copysign(least, spin[0]))], axis=1)
     names = ["spin, rad/s", "least to sleep, rad/s"]
     recording.scalars(entities.PLOT_SPIN, run.time, table.__getitem__, names, [COLORS[2], COLORS[1]])

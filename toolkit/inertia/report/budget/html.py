@@ -15,7 +15,7 @@ from inertia.arrays import Float
 from inertia.assembly.budget import Budget
 from inertia.assembly.limits import COVERAGE, Limit
 from inertia.output import require_writable, write_whole
-from inertia.report.budget.text import figure
+from inertia.report.budget.text import figure, limit_figures
 from inertia.report.numerals import cleared
 from inertia.report.svg.canvas import Canvas
 from inertia.report.templates import templates
@@ -52,6 +52,7 @@ def budget_html(budget: Budget) -> str:
         predicted=figure(total.predicted_mass, total.sigma.predicted_mass),
         center=center,
         tensor=tensor,
+        tensor_is_zero=not math.isfinite(properties.error.inertia),
         limits=[_row(limit, metres) for limit in budget.limits],
         figures=list(_figures(budget)),
     )
@@ -66,11 +67,12 @@ def write_budget(budget: Budget, file: str | os.PathLike[str], *, force: bool = 
 
 def _row(limit: Limit, metres: float) -> dict[str, Any]:
     scale = 1 / metres if limit.what.startswith("center_of_mass") else 1.0
+    low, value, high = limit_figures(limit, scale)
     return {
         "what": limit.what,
-        "low": "" if limit.low is None else f"{scale * limit.low:.6g}",
-        "high": "" if limit.high is None else f"{scale * limit.high:.6g}",
-        "value": figure(scale * limit.value, scale * limit.uncertainty).removesuffix(" (95 %)"),
+        "low": low,
+        "high": high,
+        "value": value.removesuffix(" (95 %)"),
         "margin": f"{scale * limit.margin:.4g}" if math.isfinite(limit.margin) else "",
         "verdict": limit.verdict,
         "picture": _gauge(limit),

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from decimal import Decimal
 
 from inertia.arrays import Float
 from inertia.assembly.budget import Budget
 from inertia.assembly.document import Assembly
 from inertia.assembly.interference import Interference
-from inertia.assembly.limits import COVERAGE, Limit
+from inertia.assembly.limits import COVERAGE, Limit, Verdict
 from inertia.assembly.lines import Line
 from inertia.report.budget.document import COLUMNS, contributors
 from inertia.report.numerals import cleared, columns, fixed, number, row, wrapped
@@ -18,6 +19,8 @@ from inertia.units import Unit
 _LISTED = 60  # lines of the tree
 _CONTRIBUTORS = 8
 _NAMED = 10  # parts
+_DIGITS = 12  # more than usual that a limit and what it is on are told apart by, none included
+_LIKELY = " (95 %)"
 _NOTHING = 1e-9  # of the unit of length: what is less is rounding
 
 
@@ -147,11 +150,32 @@ def limit_words(limit: Limit, unit: Unit) -> str:
     scale = 1 / float(unit.metres) if length else 1.0
     name = unit.name if length else "kg" if limit.what.endswith("mass") else "kg m²"
     name = "" if "/" in limit.what else f" {name}"
-    ends = [f"≥ {scale * limit.low:.6g}"] if limit.low is not None else []
-    ends += [f"≤ {scale * limit.high:.6g}"] if limit.high is not None else []
-    value = figure(scale * limit.value, scale * limit.uncertainty)
+    low, value, high = limit_figures(limit, scale)
+    ends = ([f"≥ {low}"] if low else []) + ([f"≤ {high}"] if high else [])
     margin = f", margin {scale * limit.margin:.4g}" if math.isfinite(limit.margin) else ""
     return f"{limit.what} {' and '.join(ends)}{name}: {value}{name}{margin}: {limit.verdict.upper()}"
+
+
+def limit_figures(limit: Limit, scale: float) -> tuple[str, str, str]:
+    """Return least value, value with its interval and largest value, with the digits that the verdict shows by.
+
+    An end that is not limited is empty. What no digits show, as it is rounding that decides, has those of the others.
+    """
+    shown = [_limit_figures(limit, scale, more) for more in range(_DIGITS)]
+    return next((figures for figures in shown if _verdict(*figures) == limit.verdict), shown[0])
+
+
+def _limit_figures(limit: Limit, scale: float, more: int) -> tuple[str, str, str]:
+    low, high = ("" if end is None else f"{scale * end:.{6 + more}g}" for end in (limit.low, limit.high))
+    return low, figure(scale * limit.value, scale * limit.uncertainty, more), high
+
+
+def _verdict(low: str, value: str, high: str) -> Verdict:
+    """Return what a reader makes of figures."""
+    middle, _, reach = value.removesuffix(_LIKELY).partition(" ± ")
+    size, room = Decimal(middle), Decimal(reach or 0)
+    margin = min(Decimal(high or "inf") - size, size - Decimal(low or "-inf"))
+    return "pass" if margin >= room else "fail" if margin < -room else "undecided"
 
 
 def _contributors(whole: Budget) -> Iterator[str]:
@@ -182,15 +206,15 @@ def _notes(notes: tuple[str, ...]) -> Iterator[str]:
         yield from wrapped("Note", note)
 
 
-def figure(value: float, uncertainty: float) -> str:
-    """Return a figure with its 95 % interval, to the digits that it has."""
+def figure(value: float, uncertainty: float, more: int = 0) -> str:
+    """Return a figure with its 95 % interval, to the digits that it has, or so many more."""
     if not uncertainty:
-        return number(value)
+        return number(value, more)
     reach = COVERAGE * uncertainty
     places = max(0, 1 - math.floor(math.log10(reach)))
     if places > 12:
-        return f"{number(value)} ± {reach:.2g}"
-    return f"{fixed(value, places)} ± {fixed(reach, places)} (95 %)"
+        return f"{number(value, more)} ± {reach:.{2 + more}g}"
+    return f"{fixed(value, places + more)} ± {fixed(reach, places + more)}{_LIKELY}"
 
 
 def _uncertain(values: Float, bound: float) -> str:

@@ -41,6 +41,7 @@ def measurement_document(result: Measurement) -> Document:
                 "unit": job.unit_of(channel),
                 "amplitude_half_width": float(job.half_widths[0][k]),
                 "phase_half_width_deg": math.degrees(float(job.half_widths[1][k])) if job.by_phase else None,
+                "noise_half_width": job.shown(complex(job.noise[k]))[0],
             }
             for k, channel in enumerate(result.channels)
         ],

@@ -79,12 +79,13 @@ def _machine_facts(document: Document) -> Iterator[tuple[str, str]]:
     yield "Method", method_text(document)
     yield "Angles", conventions_text(document)
     for channel in document["channels"]:
-        phase = channel["phase_half_width_deg"]
-        yield (
-            f"{channel['sensor']}, {channel['unit']}",
-            f"read to ±{100 * channel['amplitude_half_width']:.3g} %"
-            + ("" if phase is None else f" and ±{phase:.3g}°"),
-        )
+        phase, noise = channel["phase_half_width_deg"], channel["noise_half_width"]
+        read = f"read to ±{100 * channel['amplitude_half_width']:.3g} %"
+        read += "" if phase is None else f" and ±{phase:.3g}°"
+        if noise:
+            read += f", beside ±{noise:.4g} {channel['unit']} of noise"
+            read += ", the minimum achievable residual unbalance" if document["method"] == "balancing machine" else ""
+        yield f"{channel['sensor']}, {channel['unit']}", read
 
 
 def _plots(result: Measurement) -> Iterator[Markup]:

@@ -75,7 +75,7 @@ def of_integrals(moments: Sequence[float], mgh: float, p_phi: float, p_psi: floa
         context.prec = _DIGITS
         i1, i3, weight = Decimal(moments[0]), Decimal(moments[1]), Decimal(mgh)
         p_own = Decimal(p_psi) * (-1 if weight < 0 else 1)
-        spin, b, beta, own = p_own / i1, Decimal(p_phi) / i1, 2 * abs(weight) / i1, p_own / i3
+        spin, b, beta, own = p_own / i1, Decimal(p_phi) / i1, 2 * abs(weight) / i1, p_own / i3 if i3 else ZERO
         alpha = 2 * Decimal(energy) / i1 - spin * own
         scale = abs(alpha) + spin * own + beta
         if not scale:

@@ -14,7 +14,6 @@ from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.model import NEARLY_EQUAL, Candidate, Model, Problem, across
 from inertia.dynamics.models.neighbours import InputBound, growth, instants_of, nudge_of, value_at
 from inertia.dynamics.models.rational import (
-    Exact,
     Quaternion,
     product,
     rationals,
@@ -40,6 +39,14 @@ _NUTATION = {
     "loops": "its axis moves backwards at the top of every nod: the path has loops",
     "no reversal": "its axis moves on all the time: the path is a wave without cusps or loops",
 }
+_WHY = (
+    "The body is symmetric about the line from the fixed point to its centre of mass: energy and two momenta are kept, "
+    "and the closed form in elliptic functions gives every sample directly."
+)
+_WHY_PENDULUM = (
+    "All mass lies on the line from the fixed point to its centre: it is a spherical pendulum, with the closed form of "
+    "a top that has no moment about that line; about it, where nothing acts, the body goes on as it starts."
+)
 _UP = (Fraction(0), Fraction(0), Fraction(1))
 _HALF_TURN = tuple(map(Fraction, (1, 0, 0, 0)))
 _BEYOND = 1e300  # of what grows without bound
@@ -57,19 +64,19 @@ class HeavySymmetricTop(Model):
         What breaks the symmetry disturbs the motion as a change of the start does, and grows as neighbours part.
         """
         height = float(np.linalg.norm(problem.arm))
-        if not problem.rigid or problem.torques or problem.weight * height == 0:
+        pendulum = problem.scene.is_pendulum
+        if not (problem.rigid or pendulum) or problem.torques or problem.weight * height == 0:
             return None
         direction = problem.arm / height
         axes = problem.axes @ np.column_stack([*across(direction), direction])
-        moments, defect = _symmetric(problem.exact)
+        moments, defect = _symmetric(problem)
         candidate = Candidate(
             self,
             problem,
             axes,
             np.array([float(moments[0]), float(moments[0]), float(moments[1])]),
             0.0,
-            "The body is symmetric about the line from the fixed point to its centre of mass: energy and two momenta "
-            "are kept, and the closed form in elliptic functions gives every sample directly.",
+            _WHY_PENDULUM if pendulum else _WHY,
         )
         rate, noise = problem.pace, problem.relative_bound
         if not defect and not noise:
@@ -134,28 +141,29 @@ def characteristics(top: HeavyTop) -> tuple[dict[str, Float], tuple[str, ...]]:
         except GeometryError:
             remarks.append("It spins too slowly for a steady precession at its least tilt.")
     if top.mgh > 0:
-        limit = top.least_p_psi(0.0) / top.I3
         sleeps = "would sleep stably" if top.sleeps_stably else "would not stay"
-        remarks.append(f"Upright it {sleeps}: that takes a spin of {limit:.6g} rad/s about its axis.")
+        limit = f": that takes a spin of {top.least_p_psi(0.0) / top.I3:.6g} rad/s about its axis" if top.I3 else ""
+        remarks.append(f"Upright it {sleeps}{limit}.")
     return figures, tuple(remarks)
 
 
-def _symmetric(exact: Exact) -> tuple[tuple[Fraction, Fraction], float]:
+def _symmetric(problem: Problem) -> tuple[tuple[Fraction, Fraction], float]:
     """Return the moments (I1, I3) of the symmetric body that is nearest, and how far from it the tensor is.
 
     The latter is what the tensor lacks of I1 + (I3 − I1) r rᵀ, r being the direction of the arm, relative to the
-    smallest moment; zero where the body is symmetric to the last digit.
+    smallest moment that does not vanish; zero where the body is symmetric to the last digit.
     """
-    arm, tensor = exact.arm, exact.tensor
+    arm, tensor = problem.exact.arm, problem.exact.tensor
     square = sum((k * k for k in arm), Fraction(0))
     along = sum((tensor[i][j] * arm[i] * arm[j] for i in range(3) for j in range(3)), Fraction(0)) / square
+    along = Fraction(0) if problem.scene.is_pendulum else max(along, Fraction(0))
     beside = (tensor[0][0] + tensor[1][1] + tensor[2][2] - along) / 2
     lacking = Fraction(0)
     for i in range(3):
         for j in range(3):
             symmetric = (beside if i == j else 0) + (along - beside) * arm[i] * arm[j] / square
             lacking += (tensor[i][j] - symmetric) ** 2
-    return (beside, along), float(root(lacking) / min(exact.frame.values))
+    return (beside, along), float(root(lacking) / Fraction(problem.least))
 
 
 def _state(candidate: Candidate, axes: Float) -> _State:
@@ -167,7 +175,7 @@ def _state(candidate: Candidate, axes: Float) -> _State:
     attitude = product(_to_vertical(candidate.problem.scene.gravity), product(exact.attitude, turn))
     x, y, z, w = turn
     weight = exact.mass * root(sum((k * k for k in gravity), Fraction(0)))
-    return _symmetric(exact)[0], weight * height, attitude, tuple(rotated((-x, -y, -z, w), exact.spin))
+    return _symmetric(candidate.problem)[0], weight * height, attitude, tuple(rotated((-x, -y, -z, w), exact.spin))
 
 
 def _to_vertical(gravity: Float) -> Quaternion:

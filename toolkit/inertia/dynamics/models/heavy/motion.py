@@ -66,14 +66,14 @@ def follow(
 
 def turning_times(nutation: Nutation, first: float, last: float, most: int) -> tuple[Float, Float]:
     """Return the instants from `first` to `last` at which θ turns, `most` at most, and 1 for those at u₂, else 0."""
-    offset = nutation.start / nutation.rate
     if not nutation.cycles[0]:  # the separatrix turns once, at w = 0
+        offset = nutation.start / nutation.rate
         number = np.zeros(1 if first <= -offset <= last else 0)
         return number - offset, number
-    step = 0.5 / nutation.cycles[0]
-    start = np.ceil((first + offset) / step)
-    number = start + np.arange(min(np.floor((last + offset) / step) - start + 1.0, most))
-    return number * step - offset, np.mod(number, 2.0)
+    step, offset = 0.5 / nutation.cycles[0], nutation.start / nutation.quarter  # s, and how many, −1 … 1
+    start = np.ceil(first / step + offset)
+    number = start + np.arange(min(np.floor(last / step + offset) - start + 1.0, most))
+    return (number - offset) * step, np.mod(number, 2.0)
 
 
 def integrals(moments: tuple[float, float], mgh: float, attitude: Float, omega: Float) -> tuple[Float, Float, Float]:

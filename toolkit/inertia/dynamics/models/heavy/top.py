@@ -48,7 +48,8 @@ class HeavyTop:
 
     Attributes
     ----------
-    I1, I3 : moments about the fixed point, kg m²: I1 = I2 transverse, I3 about the symmetry axis
+    I1, I3 : moments about the fixed point, kg m²: I1 = I2 transverse, I3 about the symmetry axis; 0 of a spherical
+        pendulum, which turns about that as it starts, as a top does whose I3 is as small as one likes
     mgh : mass × gravity × height of the centre of mass over the fixed point along axis 3, N m; negative where it hangs
     p_phi : I1 φ̇ sin²θ + p_ψ cosθ, the vertical angular momentum, kg m²/s
     p_psi : I3 (φ̇ cosθ + ψ̇), the angular momentum along axis 3, kg m²/s
@@ -72,11 +73,13 @@ class HeavyTop:
 
     def __post_init__(self) -> None:
         values = array_of([self.I1, self.I3, self.mgh, self.p_phi, self.p_psi, self.energy], (6,), "heavy top")
-        if min(values[:2]) <= 0 or values[1] > 2.0 * values[0] * (1 + 1e-9):
+        if not values[0] > 0 or not 0 <= values[1] <= 2.0 * values[0] * (1 + 1e-9):
             raise GeometryError(
                 f"the moments I1 = I2 = {self.I1:.6g} and I3 = {self.I3:.6g} kg m² are no body's: "
-                "they must be positive and I3 at most 2 I1"
+                "I1 must be positive, and I3 not negative and at most 2 I1"
             )
+        if not self.I3 and self.p_psi:
+            raise GeometryError(f"p_psi = {self.p_psi:.6g} kg m²/s takes a moment I3, which is 0: give one of them")
         _ = self.nutation  # raises
 
     @classmethod
@@ -110,7 +113,7 @@ class HeavyTop:
     @property
     def effective_energy(self) -> float:
         """E′ = E − p_ψ²/(2 I3) = ½ I1 θ̇² + V(θ), J."""
-        return self.energy - self.p_psi**2 / (2.0 * self.I3)
+        return self.energy - (self.p_psi**2 / (2.0 * self.I3) if self.I3 else 0.0)
 
     def effective_potential(self, theta: ArrayLike) -> Float:
         """Return V(θ) = (p_φ − p_ψ cosθ)²/(2 I1 sin²θ) + mgh cosθ in J; infinite where the vertical is out of reach."""
@@ -142,7 +145,7 @@ class HeavyTop:
         is "no reversal".
         """
         n, (first, second) = self.nutation, self.turning_angles
-        pace = n.speeds[0] + abs(self.p_psi) * (1.0 / self.I1 + 1.0 / self.I3)
+        pace = n.speeds[0] + (abs(self.p_psi) * (1.0 / self.I1 + 1.0 / self.I3) if self.I3 else 0.0)
         noise = _ROUNDINGS * n.noise
         slack = 0.0 if n.still else noise * (1.0 + pace / n.rate)
         if second <= slack or math.pi - first <= slack:

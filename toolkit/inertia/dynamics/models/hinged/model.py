@@ -137,7 +137,9 @@ def _known(axle: Axle, problem: Problem) -> dict[str, float]:
     """Return how far figures of an axle may be off by the bounds of the mass properties."""
     gravity = problem.weight * float(np.linalg.norm(problem.arm)) * problem.relative_weight_bound if axle.pull else 0.0
     stated = problem.scene.body.properties is None
-    inertia = problem.exact.tensor_bound if stated else problem.uncertainty * axle.inertia
+    inertia = problem.exact.tensor_bound
+    if not stated:
+        inertia = min(inertia, problem.uncertainty * axle.inertia)
     return {"inertia": inertia, "cosine": gravity, "sine": gravity}
 
 

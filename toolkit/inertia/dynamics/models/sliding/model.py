@@ -94,8 +94,11 @@ class Sliding(Model):
         }
         remarks: tuple[str, ...] = ()
         if even and ball.arm.any() and np.linalg.norm(ball.gravity[:2]) <= _UPRIGHT * -ball.gravity[2]:
-            remarks, least = _end(ball, moments, float(jellett[0]))
-            quantities["theta of least energy"] = np.array(least)
+            remarks = (_stable(ball, moments),)
+            if ball.friction:  # without it nothing takes the body to where its energy is least
+                end, least = _end(ball, moments, float(jellett[0]))
+                remarks += (end,)
+                quantities["theta of least energy"] = np.array(least)
         return replace(
             Motion(attitude, spin, integrator.name, reached, center, invariants, scales, quantities).turned(turn),
             position=quaternion.to_space(turn, center),
@@ -224,8 +227,16 @@ def _leaving(instant: float) -> Event:
     )
 
 
-def _end(ball: SlidingBall, moments: Float, jellett: float) -> tuple[tuple[str, ...], float]:
-    """Say which spins about the normal are stable, and which motion without slip has the least energy; its tilt in rad.
+def _stable(ball: SlidingBall, moments: Float) -> str:
+    """Say which spins about the normal are stable."""
+    low, high = _thresholds(ball, moments)
+    below = f"below {low:.6g} rad/s" if low < math.inf else "at any speed"
+    above = f"above {high:.6g} rad/s" if high < math.inf else "at no speed"
+    return f"Spinning about the vertical is stable {below} with the centre of mass low, and {above} with it high."
+
+
+def _end(ball: SlidingBall, moments: Float, jellett: float) -> tuple[str, float]:
+    """Say which motion without slip has the least energy; its tilt in rad.
 
     Without slip and with its centre of mass at rest, the body turns about a: with Jellett's integral λ, u the cosine of
     the tilt, α = |b|/R and D = I₁ (1 − u²) + I₃ (u − α)², its energy is λ²/(2 R² D) + m g R (1 − α u). Upright, u = 1,
@@ -234,10 +245,6 @@ def _end(ball: SlidingBall, moments: Float, jellett: float) -> tuple[tuple[str, 
     12.
     """
     axial, shape, offset, weight = _shape(ball, moments)
-    low, high = _thresholds(ball, moments)
-    below = f"below {low:.6g} rad/s" if low < math.inf else "at any speed"
-    above = f"above {high:.6g} rad/s" if high < math.inf else "at no speed"
-    stable = f"Spinning about the vertical is stable {below} with the centre of mass low, and {above} with it high."
     spin = abs(jellett) / (ball.radius * axial)
     cosine = _least(shape, offset, 2.0 * weight / spin**2) if spin else 1.0
     upright, over = cosine == 1.0, cosine == -1.0
@@ -246,7 +253,7 @@ def _end(ball: SlidingBall, moments: Float, jellett: float) -> tuple[tuple[str, 
     if not upright and not over:
         how = f"goes round with its axis tilted by {math.degrees(math.acos(cosine)):.4g}°"
     least = f"Of the motions without slip that have its Jellett's integral, the one with the least energy {how}."
-    return (stable, least), math.acos(cosine)
+    return least, math.acos(cosine)
 
 
 def _shape(ball: SlidingBall, moments: Float) -> tuple[float, float, float, float]:
@@ -257,8 +264,14 @@ def _shape(ball: SlidingBall, moments: Float) -> tuple[float, float, float, floa
 
 
 def _thresholds(ball: SlidingBall, moments: Float) -> tuple[float, float]:
-    """Return the spins in rad/s below which upright is stable, and above which upside down is; infinite for none."""
+    """Return the spins in rad/s below which upright is stable, and above which upside down is; infinite for none.
+
+    With friction where the energy is least, see `_end`. Without, a body near the vertical turns about its centre of
+    mass as a top about its point, which is I₃ ω > √(4 m g b I₁).
+    """
     _, shape, offset, weight = _shape(ball, moments)
+    if not ball.friction:
+        return math.inf, 2.0 * math.sqrt(weight * shape)
     low, high = shape - (1.0 - offset), (1.0 + offset) - shape
     return (
         (1.0 - offset) * math.sqrt(weight / low) if low > 0 else math.inf,

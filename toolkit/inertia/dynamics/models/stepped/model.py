@@ -59,15 +59,27 @@ class EulerEquations(Model):
         from inertia.dynamics.models.stepped.solve import solve_stepped
 
         scene, rotation = candidate.problem.scene, self.rotation(candidate)
-        noise = 0.0
-        if candidate.problem.weight and rotation.terms(rotation.start) is not None:  # what may fall over
-            noise = min(_ROUNDED * float(_growth(candidate.problem, rotation, _NUDGE)[-1]), np.pi)
+        noise = self._noise(candidate, rotation)
         rotation = replace(rotation, observer=_along_parts(candidate))
         try:
             motion = solve_stepped(rotation, time, scene.run.accuracy, method, noise=noise)
         except (UsageError, GeometryError) as error:
             raise placed(error, scene.name, *(() if error.places else (FieldPath("run"),))) from None
         return self._with_orbit(candidate, rotation, time, motion)
+
+    def _noise(self, candidate: Candidate, rotation: RotationProblem) -> float:
+        """Return the angle in rad that what float64 leaves out of start and moments may come to, where it may grow."""
+        problem = candidate.problem
+        falls = bool(problem.weight) and rotation.terms(rotation.start) is not None
+        # Held far off, a body has moments about the point of which the rounding is much to the smallest.
+        lost = float(np.abs(candidate.rest[0]).max()) / problem.least
+        if not falls and lost <= _ROUNDED:
+            return 0.0
+        grown = float(_growth(problem, rotation, _NUDGE)[-1])
+        noise = _ROUNDED * grown if falls else 0.0
+        if lost > _ROUNDED:
+            noise += _MARGIN * lost * max(grown, problem.pace * problem.duration)
+        return min(noise, np.pi)
 
     def resolved(self, candidate: Candidate, time: Float, known: tuple[Float, Motion]) -> Motion | None:
         """Return the motion at other instants, stepped from the samples before them."""
