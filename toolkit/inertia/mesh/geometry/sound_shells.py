@@ -36,7 +36,7 @@ from inertia.mesh.geometry.edges import duplicates
 from inertia.mesh.geometry.enclosed import MEASURE, NOISE, STORED, chunks, measured
 from inertia.mesh.geometry.faces import merge_equal_vertices
 from inertia.mesh.geometry.halfedges import half_edges
-from inertia.mesh.geometry.touching import FIND, touching_groups
+from inertia.mesh.geometry.touching import FIND, MOSTLY, touching_groups
 from inertia.mesh.surface import Triangles
 from inertia.native import Kernel, address
 from inertia.once import once
@@ -57,7 +57,6 @@ LOOKS, ANYWAY = 64, 1 << 18  # how often the triangles of a shell are looked at;
 _CLEAR = 2e-10  # of another shell, over the size of the part: what is nearer is not asked by rays
 _LEAST_BITS = 3  # so that differences of places are below the kernel's FAR
 _IN_RANGE = 100  # powers of two, of sizes whose products are far from the ends of float64
-_MOSTLY = 0.75  # of the triangles, above which all are looked at
 _POINTS = 2  # in a cell of those by which they are looked up, about
 
 
@@ -284,9 +283,9 @@ def _suspects(
     keys, whose = keys[ranked], np.concatenate([np.flatnonzero(meeting), shells])[ranked]
     groups = np.where(around, np.searchsorted(keys, base)[shell], np.searchsorted(keys, place)[shell])
     family = keys // (count + 1)
-    if twice or len(asked) < _MOSTLY * triangles.count:
+    if twice or len(asked) < MOSTLY * triangles.count:
         own = triangles.select(asked)
-    else:  # what is not asked for is a family of its own, as to copy the rest takes longer
+    else:  # what is not asked for is a family of its own
         own, every = triangles, np.full(triangles.count, len(keys))
         every[asked] = groups
         groups, family = every, np.append(family, count + 1)

@@ -15,6 +15,7 @@ from inertia.mesh.surface import Triangles
 from inertia.native import Kernel
 
 FIND = Kernel("inertia.mesh.geometry.touching_kernel", "find_touching", "pppi" + "pi" + "pppp" + "ip")
+MOSTLY = 0.75  # of triangles: to copy as many of them takes longer than to look at the rest
 PAIRS = 1 << 14  # pairs of triangles listed at a time
 _WORK = 16  # times what integrating a triangle costs, about, where the boxes of two bodies meet
 
@@ -69,7 +70,8 @@ def touching_groups(triangles: Triangles, groups: Int, family: Int, *, few: bool
         return np.empty((0, 2), np.int64)
     if not FIND.worthwhile(_WORK * len(groups)):
         return None
-    if (near := in_common_cells(triangles, groups, family)) is not None:
+    near = in_common_cells(triangles, groups, family)
+    if near is not None and len(near) < MOSTLY * len(groups):
         triangles, groups = triangles.select(near), groups[near]
         if len(near) == 0:
             return np.empty((0, 2), np.int64)
