@@ -83,4 +83,5 @@ def test_few_triangles_that_span_all_cells_make_these_larger() -> None:
     large = rng.uniform(0, 1, (40, 3, 3))
     groups = np.repeat([0, 1], [4_000, 40])
     near = in_common_cells(soup(np.concatenate([small, large])), groups, np.zeros(2, np.int64))
-    assert near is None or set(range(4_000, 4_040)) <= set(near.tolist())
+    assert near is not None
+    assert set(range(4_000, 4_040)) <= set(near.tolist())

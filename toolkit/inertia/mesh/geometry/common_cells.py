@@ -72,5 +72,6 @@ def _in_cells(triangles: Triangles, groups: Int, family: Int, grid: tuple[float,
             of_chunk = slots[which].ctypes.data, own[which].ctypes.data, near[which].ctypes.data, address(state)
             if failed := _ENTER.function(*chunk, *grid, *tables, *of_chunk, again):
                 return failed
-        _COMMON.function(address(cells), bits)
+        if not again:
+            _COMMON.function(address(cells), bits)
     return np.flatnonzero(near)

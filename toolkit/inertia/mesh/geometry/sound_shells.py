@@ -12,8 +12,8 @@ are looked at further:
    sphere around it, may meet it.
 4. Between shells in one region whose boxes share space, a plane is looked for that holds them apart, or those of their
    triangles that reach into the other's box.
-5. Triangles between which none is found, and those of the third step, are compared with each other; shells whose
-   triangles may meet are suspects, which `inertia.mesh.check` looks at.
+5. Triangles between which none is found, and those of the third step, are compared with each other where they are in
+   common cells of space; shells whose triangles may meet are suspects, which `inertia.mesh.check` looks at.
 
 Shells that meet neither those next inside them nor others in their region meet none at all: a connected set that does
 not meet a surface lies in one part of the space around it, and so does all that the set encloses.
