@@ -149,6 +149,28 @@ def test_names_that_become_one_are_told_apart(body: inertia.MassProperties) -> N
     assert re.findall(r'def Xform "(\w+)"', text) == ["arm_a", "arm_a_2", "ARM_A_3"]
 
 
+@pytest.mark.parametrize(
+    ("target", "names", "written"),
+    [
+        ("urdf", ["world", "arm"], ["world_", "arm"]),  # Drake takes a link of that name for the world
+        ("urdf", ["world", "world_"], ["world__", "world_"]),
+        ("mjcf", ["world", "world_"], ["world__", "world_"]),
+        ("mjcf", ["a\ufffe", "a_"], ["a__", "a_"]),  # no character of XML
+        ("sdf", ["a::b", "a_b"], ["a_b_", "a_b"]),
+        ("sdf", ["a::b", "a_::b", "a__b"], ["a_b", "a__b_", "a__b"]),
+        ("sdf", ["__model__", "____"], ["part__model__", "part____"]),  # SDFormat reserves them
+    ],
+)
+def test_names_in_xml_are_free_and_told_apart(
+    body: inertia.MassProperties, target: str, names: list[str], written: list[str]
+) -> None:
+    root = ElementTree.fromstring(inertia.export(dict.fromkeys(names, body), target))
+    links = root.iter("body" if target == "mjcf" else "link")
+    assert [each.get("name") for each in links if each.get("name") != "root"] == written
+    if target == "urdf":
+        assert [each.get("link") for each in root.iter("child")] == written
+
+
 @pytest.mark.parametrize("target", WRITERS)
 def test_several_bodies_stand_in_one_file(body: inertia.MassProperties, target: str) -> None:
     light = body.with_mass(0.3125)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from tests.exchange import solid
 
 import inertia
@@ -93,6 +94,24 @@ def test_mujoco_takes_flat_bodies(thickness: float) -> None:
     flat = inertia.MassProperties(1.0, 0.0, [0, 0, 0], np.diag([i1, i2, math.nextafter(third, 2.0)]))
     turned = flat.expressed_in(rotation(0.5, 0.5, -0.5, 0.5))
     assert compiled(inertia.export(turned, "mjcf"), "part")[0] == 1.0
+
+
+@pytest.mark.parametrize("thickness", [0.1, 1e-6, 1e-8, 1e-9, 1e-12])
+def test_flat_bodies_that_mujoco_may_refuse_in_urdf_are_said(thickness: float) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    refused = 0
+    for angle in range(20):
+        sheet = np.diag([0.7 + thickness**2, 1.0 + thickness**2, 1.7])
+        flat = inertia.MassProperties(1.0, 0.0, [0, 0, 0], sheet).expressed_in(
+            Rotation.from_rotvec([angle, 1, 2]).as_matrix()
+        )
+        text = inertia.export(flat, "urdf", name="sheet")
+        assert ("MuJoCo may refuse sheet" in text) == (thickness < 1e-7)
+        try:
+            mujoco.MjModel.from_xml_string(text)
+        except ValueError:
+            refused += 1
+    assert (refused > 0) <= (thickness < 1e-7)
 
 
 def test_pinocchio_reads_urdf(body: inertia.MassProperties) -> None:

@@ -164,6 +164,15 @@ def test_every_orientation_is_mujoco_s(tmp_path: Path, orientation: str, compile
     compare(read_robot(file), compile_model(file))
 
 
+def test_axes_close_together_make_a_rotation(tmp_path: Path) -> None:
+    file = tmp_path / "turned.xml"
+    file.write_text(body('<geom type="box" size="1 2 3" xyaxes="1 0.2 0 1 0.2003 0.0001"/>'))
+    rotation = read_robot(file).links[0].geometries[0].placement.rotation
+    assert np.abs(rotation.T @ rotation - np.eye(3)).max() < 1e-15
+    normal = np.cross([1, 0.2, 0], [1, 0.2003, 0.0001])
+    assert rotation[:, 2] == pytest.approx(normal / np.linalg.norm(normal), abs=1e-12)
+
+
 SOUND = 'pos="0 0 0" mass="1" diaginertia="1 1 1"'
 
 
@@ -178,6 +187,8 @@ def body(inside: str, before: str = "") -> str:
 @pytest.mark.parametrize(
     ("text", "says"),
     [
+        (body('<body xyaxes="1 0.2 0 2 0.4 0"/>'), "an axis of no length, or along another one"),
+        (body('<body xyaxes="1 0 0 5 9e-8 0"/>'), "an axis of no length, or along another one"),
         ("<mujoco><worldbody/></mujoco>", "it holds no body"),
         ("<mujoco><worldbody><frame><attach model='m'/></frame></worldbody></mujoco>", "attach is not read"),
         (body('<geom type="box" size="1 1 1" class="nix"/>'), "default class 'nix' is not there"),

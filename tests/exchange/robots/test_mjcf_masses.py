@@ -83,6 +83,23 @@ def test_a_mesh_weighs_by_default_what_mujoco_counts_of_it(
             assert f"counts {whole.mass:.4g} kg where it encloses {exact.mass:.4g} kg" in notes[0]
 
 
+def test_a_mesh_counted_twice_for_its_centre_alone_has_the_centre_of_mujoco(tmp_path: Path) -> None:
+    sides = [(0, 0), (99, 0), (99, 59), (40, 59), (40, 150), (0, 150)]
+    vertices = " ".join(f"{x / 1000} {y / 1000} {z}" for z in (0, 0.14) for x, y in sides)
+    faces = " ".join(f"{a} {b} {c}" for a, b, c in FACES)
+    file = tmp_path / "a.xml"
+    asset = f'<asset><mesh name="m" vertex="{vertices}" face="{faces}"/></asset>'
+    file.write_text(model('<geom type="mesh" mesh="m"/>', asset))
+    whole, notes = weighed(file)
+    compare(whole, file, 1e-6)
+    # Of two boxes, by areas.
+    left, foot = 40 * 150, 59 * 59
+    center = np.array([(left * 20 + foot * 69.5) / (left + foot), (left * 75 + foot * 29.5) / (left + foot), 70])
+    away = float(np.linalg.norm(1e3 * whole.center_of_mass - center))
+    assert away > 0.1
+    assert f"about a centre of mass that is {away:.3g} mm off" in notes[0]
+
+
 def test_both_are_what_exact_numbers_have() -> None:
     mpmath: Any = pytest.importorskip("mpmath")
     corners = np.array(CORNERS)[FACES] * [1, 3, 0.1] + [7, 1, 1 / 3]
@@ -304,3 +321,18 @@ def test_a_mesh_that_may_have_to_be_raised_leaves_a_partial_answer(tmp_path: Pat
     mesh = f'<asset><mesh name="m" file="{path("tetrahedron.stl")}"/></asset>'
     file.write_text(model('<geom type="mesh" mesh="m"/>', f'<compiler boundmass="2"/>{mesh}'))
     assert "link a weighs by a mesh or a surface" in unweighed(read_robot(file))[0]
+
+
+def test_moments_that_mujoco_gives_a_body_without_mass_leave_a_partial_answer(tmp_path: Path) -> None:
+    file = tmp_path / "a.xml"
+    bodies = '<body name="a"><body name="b"><joint/><geom type="box" size="0.1 0.2 0.3" mass="1"/></body></body>'
+    file.write_text(f'<mujoco><compiler boundinertia="0.3"/><worldbody>{bodies}</worldbody></mujoco>')
+    assert [sentence.partition(",")[0] for sentence in unweighed(read_robot(file))] == ["link a has no mass"]
+    assert main(["assembly", str(file)]) == 4
+
+
+def test_a_total_mass_of_bodies_without_any_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "a.xml"
+    file.write_text('<mujoco><compiler settotalmass="5"/><worldbody><body name="a"/></worldbody></mujoco>')
+    assert main(["assembly", str(file)]) == 2
+    assert "a.xml: it has no part with a mass" in capsys.readouterr().err

@@ -456,10 +456,23 @@ def test_a_joint_that_closes_a_loop_or_lacks_an_end_is_left_out(tmp_path: Path) 
     robot = read_robot(file)
     assert [link.parent for link in robot.links] == [None, "a", "b", None]
     assert [note.partition(":")[0] for note in robot.notes] == [
-        *(f"joint {name!r} closes a loop or joins frames of no link" for name in "lm"),
         "joint 'n' has no child",
-        "joint 'h' closes a loop or joins frames of no link",
+        *(f"joint {name!r} closes a loop" for name in "lmh"),
     ]
+
+
+def test_links_that_a_nested_model_welds_stay_together(tmp_path: Path) -> None:
+    def joint(name: str, parent: str, child: str, kind: str) -> str:
+        return f'<joint name="{name}" type="{kind}"><parent>{parent}</parent><child>{child}</child></joint>'
+
+    file = tmp_path / "a.sdf"
+    inner = f'<model name="m"><link name="b"/><link name="c"/>{joint("weld", "b", "c", "fixed")}</model>'
+    file.write_text(
+        text('<link name="a"/>' + "".join(joint(f"to_{k}", "a", f"m::{k}", "revolute") for k in "bc") + inner)
+    )
+    robot = read_robot(file)
+    assert [link.joint and link.joint.parent for link in robot.links] == [None, "a", "m::b"]
+    assert robot.notes == ("joint 'to_c' closes a loop: it is left out of the tree",)
 
 
 @pytest.mark.parametrize("word", ["true", "1", "True"])

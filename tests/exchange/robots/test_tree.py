@@ -128,7 +128,7 @@ def test_the_whole_of_sdformat_is_that_of_poses_multiplied_out(
     file = tmp_path / "robot.sdf"
     file.write_text(SDF.format(version=version, where=where), encoding="utf-8")
     table, notes = robot_tree(read_robot(file), {"ja": 0.7, "jb": -0.05})
-    assert notes == ("joint 'loop' closes a loop or joins frames of no link: it is left out of the tree",)
+    assert notes == ("joint 'loop' closes a loop: it is left out of the tree",)
     properties = Assembly.from_dict(table).mass_properties()
     model, base = pose(1, 2, 3, 0.3, 0.2, 0.1), pose(0, 0, 1, 0, 0, 0.5)
     at_joint, on_joint = pose(0.2, 0, 0.1, 0.3, -0.2, 0.1), pose(0.05, 0, 0.02, 0, 0.4, 0)
@@ -210,6 +210,93 @@ def test_the_whole_of_usd_is_that_of_frames_multiplied_out(tmp_path: Path) -> No
     assert properties.mass == pytest.approx(mass, rel=1e-14)
     assert properties.center_of_mass == pytest.approx(center, abs=1e-8)  # positions are float32 in the file
     assert properties.inertia == pytest.approx(tensor, abs=1e-8)
+
+
+UNSCALED = BODY.replace("(2, 2, 2)", "(1, 1, 1)")
+
+
+def hinge(name: str, ends: tuple[str, str], places: tuple[str, str], says: str = "") -> str:
+    """Return a joint about x between two bodies at points of theirs."""
+    (a, b), (p, q) = ends, places
+    return (
+        f'def PhysicsRevoluteJoint "{name}" {{ uniform token physics:axis = "X"\n{says}\n'
+        f"rel physics:body0 = </{a}>\nrel physics:body1 = </{b}>\n"
+        f"point3f physics:localPos0 = {p}\npoint3f physics:localPos1 = {q}\n}}\n"
+    )
+
+
+def stage(tmp_path: Path, names: str, joints: str) -> Path:
+    """Return bodies of 1 kg, each 1 m above the one before, and joints."""
+    pytest.importorskip("pxr")
+    bodies = (UNSCALED.format(name=name, at=(0, 0, k), turn=0, mass=1) for k, name in enumerate(names))
+    (tmp_path / "robot.usda").write_text("#usda 1.0\n(metersPerUnit = 1)\n" + "".join(bodies) + joints)
+    return tmp_path / "robot.usda"
+
+
+@pytest.mark.parametrize("swapped", [(False, False), (False, True), (True, False), (True, True)])
+def test_a_chain_of_usd_moves_alike_whichever_body_a_joint_has_first(
+    tmp_path: Path, swapped: tuple[bool, bool]
+) -> None:
+    weld = 'def PhysicsFixedJoint "w" {\nrel physics:body1 = </a>\n}\n'
+    ends = [("ab", ("(0, 0, 1)", "(0, 0, 0)")), ("bc", ("(0, 0, 1)", "(0, 0, 0)"))]
+    joints = "".join(
+        hinge(f"j{k}", tuple(pair)[::way], places[::way])
+        for k, ((pair, places), way) in enumerate(zip(ends, [-1 if each else 1 for each in swapped], strict=True))
+    )
+    # Body 1 turns in body 0: the other way round by the opposite angle.
+    angles = {f"j{k}": -angle if swapped[k] else angle for k, angle in enumerate((0.4, -0.7))}
+    table, notes = robot_tree(read_robot(stage(tmp_path, "abc", weld + joints)), angles)
+    assert notes == ()
+    b = pose(0, 0, 1) @ turned([1, 0, 0], 0.4)
+    places = [np.eye(4), b, b @ pose(0, 0, 1) @ turned([1, 0, 0], -0.7)]
+    own = np.diag([2, 3, 4])
+    _, center, tensor = whole([(place @ pose(0.5, 1, 1.5), 1.0, own) for place in places])
+    properties = Assembly.from_dict(table).mass_properties()
+    assert properties.center_of_mass == pytest.approx(center, abs=1e-12)
+    assert properties.inertia == pytest.approx(tensor, abs=1e-12)
+
+
+def test_of_a_loop_of_usd_the_joint_is_left_out_that_no_articulation_has(tmp_path: Path) -> None:
+    excluded = "uniform bool physics:excludeFromArticulation = true"
+    ends = [("j0", "ab", excluded), ("j1", "bc", ""), ("j2", "ca", "")]
+    places = ("(0, 0, 0)", "(0, 0, 0)")
+    joints = "".join(hinge(name, (pair[0], pair[1]), places, says) for name, pair, says in ends)
+    robot = read_robot(stage(tmp_path, "abc", joints))
+    assert [link.joint and link.joint.parent for link in robot.links] == [None, "c", "a"]
+    assert "joint 'j0' closes a loop: it is left out of the tree" in robot.notes
+
+
+def test_the_root_of_an_articulation_stands_still(tmp_path: Path) -> None:
+    file = stage(tmp_path, "ab", hinge("j", ("a", "b"), ("(0, 0, 1)", "(0, 0, 0)")))
+    file.write_text(
+        file.read_text().replace(
+            '"b" (prepend apiSchemas = [', '"b" (prepend apiSchemas = ["PhysicsArticulationRootAPI", '
+        )
+    )
+    assert [link.joint and link.joint.parent for link in read_robot(file).links] == ["b", None]
+
+
+def test_a_second_parent_in_sdformat_hangs_on_its_child(tmp_path: Path) -> None:
+    """A link b, 1 kg at its origin, turns about that of its child, by the opposite angle, as Drake has it."""
+    bare = "<inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>"
+    links = [
+        f'<link name="{name}"><pose>{at} 0 0 0</pose>{bare}</link>'
+        for name, at in zip("abc", ["0 0 0", "1 0 0", "0 1 0"], strict=True)
+    ]
+    joints = [
+        f'<joint name="{a}{b}" type="revolute"><parent>{a}</parent><child>{b}</child><axis><xyz>0 0 1</xyz></axis>'
+        "</joint>"
+        for a, b in ("ac", "bc")
+    ]
+    file = tmp_path / "robot.sdf"
+    file.write_text(f'<sdf version="1.9"><model name="m">{"".join(links + joints)}</model></sdf>')
+    table, notes = robot_tree(read_robot(file), {"bc": 1.0})
+    assert notes == ()
+    b = pose(0, 1, 0) @ turned([0, 0, 1], -1.0) @ pose(1, -1, 0)
+    _, center, tensor = whole([(place, 1.0, np.eye(3)) for place in (np.eye(4), pose(0, 1, 0), b)])
+    properties = Assembly.from_dict(table).mass_properties()
+    assert properties.center_of_mass == pytest.approx(center, abs=1e-12)
+    assert properties.inertia == pytest.approx(tensor, abs=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -396,3 +483,44 @@ def test_joints_of_urdf_without_an_end_and_meshes_of_broken_addresses_are_said(t
     robot = read_robot(file)
     assert robot.notes == ("joint 'j' has no parent: it is left out",)
     assert robot.links[0].geometries[0].shape == "the mesh 'file://[x' is not a file: write file:///path"
+
+
+@pytest.mark.parametrize(
+    ("moments", "sound"),
+    [
+        ("0.0033 0.0033 0.0067", True),  # of a square plate, rounded: each may be off by half of the last digit
+        ("0.00330 0.00330 0.0067", False),  # a digit more, which the plate has not
+        ("0.0001 0.0001 0.0003", False),  # what rounding leaves open here is more than 1 %
+        ("-0.0001 0.0033 0.0033", False),
+    ],
+)
+def test_a_triangle_rule_broken_by_rounding_counts_as_audit_has_it(
+    tmp_path: Path, moments: str, sound: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "r.urdf"
+    xx, yy, zz = moments.split()
+    file.write_text(
+        '<robot name="r"><link name="a"><inertial><mass value="1"/><inertia '
+        f'ixx="{xx}" iyy="{yy}" izz="{zz}" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>'
+    )
+    assert ("unphysical" not in {finding.code for finding in inertia.audit(file).links[0].findings}) == sound
+    assert main(["assembly", str(file), "--to-toml", str(tmp_path / "r.toml")]) == (0 if sound else 4)
+    said = capsys.readouterr().err
+    if not sound:
+        assert "link a: the principal moments" in said
+        return
+    assert "rounding to its last decimal explains that" in said
+    for whole in (file, tmp_path / "r.toml"):
+        properties = Assembly.load(whole).mass_properties()
+        assert properties.inertia.diagonal().tolist() == [float(k) for k in moments.split()]
+        # The tensor as stated may be off by half a unit in each element.
+        assert 1.5e-4 / math.hypot(0.0033, 0.0033, 0.0067) <= properties.error.inertia < 0.02
+
+
+def test_a_lamina_of_single_precision_counts(tmp_path: Path) -> None:
+    """0.3 as float32 is above the sum of 0.1 and 0.2 as float32, by 1e-8."""
+    pytest.importorskip("pxr")
+    file = tmp_path / "r.usda"
+    file.write_text(ROBOTS["r.usda"].replace("(0.02, 0.03, 0.04)", "(0.1, 0.2, 0.3)"))
+    assert Assembly.load(file).mass_properties().inertia.diagonal() == pytest.approx([0.1, 0.2, 0.3], rel=1e-7)
+    assert inertia.audit(file).links[0].state != "unphysical"

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from tests.exchange import solid
 
 import inertia
@@ -320,6 +321,24 @@ def test_without_its_package_the_extra_is_named(tmp_path: Path, monkeypatch: pyt
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(inertia.ReadError, match=r"pip install 'inertia\[usd\]'"):
         read_robot(file)
+
+
+@pytest.mark.parametrize("digits", [17, 9, 8, 7, 6, 5, 4])
+def test_a_matrix_of_any_digits_places_a_body_as_a_rotation(tmp_path: Path, digits: int) -> None:
+    rotation = Rotation.from_rotvec([0.3, -1.1, 0.7]).as_matrix()
+    rows = [(*(round(k, digits) for k in row), 0) for row in rotation.T.tolist()]
+    file = tmp_path / "s.usda"
+    file.write_text(
+        "#usda 1.0\n(metersPerUnit = 1)\n"
+        'def Xform "a" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI"]) {\n'
+        f"matrix4d xformOp:transform = ({rows[0]}, {rows[1]}, {rows[2]}, (1, 2, 3, 1))\n"
+        'uniform token[] xformOpOrder = ["xformOp:transform"]\nfloat physics:mass = 2\n'
+        "point3f physics:centerOfMass = (0.5, 0.25, -1)\nfloat3 physics:diagonalInertia = (1, 2, 2.5)\n}\n"
+    )
+    properties = inertia.Assembly.load(file).mass_properties()
+    tolerance = 10.0**-digits + 1e-14
+    assert properties.center_of_mass == pytest.approx(rotation @ [0.5, 0.25, -1] + [1, 2, 3], abs=tolerance)
+    assert properties.inertia == pytest.approx(rotation @ np.diag([1, 2, 2.5]) @ rotation.T, abs=5 * tolerance)
 
 
 TWO = """#usda 1.0

@@ -23,7 +23,7 @@ from inertia.estimate import uncertainty_of
 from inertia.mass.analyse import analyse, sound_solids_only
 from inertia.mass.analysis import Analysis
 from inertia.mass.moments import PAIRS, ZERO, Moments, Vector, norm_above, six, vector
-from inertia.mass.properties import MassProperties
+from inertia.mass.properties import ErrorBound, MassProperties
 from inertia.mesh import primitives
 from inertia.mesh.part import Cells, Part
 from inertia.mesh.read import read, read_tree
@@ -257,7 +257,8 @@ def _measured(moments: Moments, fields: PartFields, metres: Fraction) -> Moments
             bound = metres * Fraction(fields.bound.center_of_mass)
     if fields.inertia is not None:
         try:
-            MassProperties(float(mass), 0.0, np.zeros(3), fields.inertia)
+            off = 0.0 if fields.bound is None else fields.bound.inertia
+            MassProperties(float(mass), 0.0, np.zeros(3), fields.inertia, ErrorBound("given", 0.0, 0.0, 0.0, off))
         except InertiaError as error:
             raise UsageError(f"inertia: {error}") from None
         rows = [[Fraction(k) for k in row] for row in fields.inertia.tolist()]

@@ -15,10 +15,10 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.auditing.claim import Statement
+from inertia.exchange.robots.links import COARSE, rounding_of
 from inertia.records import dataclass
 
 _SLACK = 1e-9  # of the size of the hull: where the planes of a hull are rounded to
-_COARSE = 0.01  # of a tensor: decimals that leave more open are no figures at all
 _SINGLE = 1e-6  # of a tensor: what figures of single precision leave open
 
 
@@ -63,11 +63,9 @@ def faults(stated: Statement) -> Iterator[Fault]:
         yield Fault(f"the tensor is not positive definite: its principal moments are {names}", 1.0)
         return
     trace = Fraction(float(np.trace(written)))
-    # Half a unit in each element of J moves vᵀ(½ tr(J) δ − J)v by 3/4 of one, or by 5/4 where products are rounded too.
-    of_unit = Fraction(5, 4) if np.any(written - np.diag(np.diag(written))) else Fraction(3, 4)
-    rounding = 0 if stated.decimals[2] is None else of_unit / Fraction(10) ** stated.decimals[2]
+    rounding = rounding_of(written, stated.decimals[2])
     roundoff = trace * Fraction(1, 2**50)
-    if not _obeys(written, min(rounding, trace * Fraction(_COARSE)) + roundoff):
+    if not _obeys(written, min(rounding, trace * Fraction(COARSE)) + roundoff):
         excess = float(-margin(stated) * moments[2] / (moments[0] + moments[1]))
         words = f"{100 * excess:.2g} % above" if excess < 1 else f"{1 + excess:.2g} times"
         sentence = (
@@ -111,7 +109,7 @@ def outside(stated: Statement, hull: Float) -> Iterator[Fault]:
     ways = (hull.reshape(-1, 3) - body.center) @ axes
     limits = (ways.max(axis=0) + blur) * (blur - ways.min(axis=0))
     trace = float(np.trace(body.inertia))
-    slack = _SINGLE * trace + (0.0 if decimals is None else min(1.5 * 10.0**-decimals, _COARSE * trace))
+    slack = _SINGLE * trace + (0.0 if decimals is None else min(1.5 * 10.0**-decimals, COARSE * trace))
     k = int(np.argmax(squares - limits))
     if squares[k] > limits[k] + slack / body.mass:
         radius, limit = np.sqrt(squares[k]), np.sqrt(max(0.0, limits[k]) + 0.0)  # no negative zero

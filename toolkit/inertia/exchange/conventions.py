@@ -107,7 +107,8 @@ CONVENTIONS = {
         handedness="right",
         rotation="rpy: roll about x, then pitch about y, then yaw about z, all fixed axes; written as 0 0 0",
         digits=_ALL,
-        cannot="a scale or a unit of its own; several readers drop rpy, hence it is written as zero",
+        cannot="a scale or a unit of its own; several readers drop rpy, hence it is written as zero; "
+        "for MuJoCo, which has moments from the six elements to a few parts in 10¹⁵, I1 + I2 = I3 as of a sheet",
         source="ROS wiki, urdf/XML/link, inertia: the negative convention of products; what the readers beside do",
         read_back="pin 4.1.0, drake 1.51.1, yourdfpy 0.0.60, MuJoCo 4.0.0",
     ),

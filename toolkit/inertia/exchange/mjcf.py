@@ -6,7 +6,17 @@ from collections.abc import Sequence
 
 from inertia.exchange.conventions import CONVENTIONS
 from inertia.exchange.rotations import quaternion_of
-from inertia.exchange.writing import Body, attribute, heading, number, numbers, printable, triangular, xml_comment
+from inertia.exchange.writing import (
+    Body,
+    attribute,
+    distinct,
+    heading,
+    number,
+    numbers,
+    printable,
+    triangular,
+    xml_comment,
+)
 
 _CONVENTION = CONVENTIONS["mjcf"]
 _LEAST = 1e-15  # mjMINVAL
@@ -30,10 +40,10 @@ def write(bodies: Sequence[Body], comments: Sequence[str]) -> str:
         f"<mujoco model={attribute(name)}>",
         "  <worldbody>",
     ]
-    for body in bodies:
+    for body, word in zip(bodies, distinct([body.name for body in bodies]), strict=True):
         properties = body.properties
         lines += [
-            f"    <body name={attribute(_free(body.name))}>",
+            f"    <body name={attribute(word)}>",
             "      <freejoint/>",
             f'      <!-- fullinertia="{numbers(_CONVENTION.elements(properties.inertia))}" -->',
             f'      <inertial pos="{numbers(properties.center_of_mass.tolist())}" '
@@ -42,8 +52,3 @@ def write(bodies: Sequence[Body], comments: Sequence[str]) -> str:
             "    </body>",
         ]
     return "\n".join([*lines, "  </worldbody>", "</mujoco>", ""])
-
-
-def _free(name: str) -> str:
-    """Return a name that is not that of the body which MuJoCo has already."""
-    return "world_" if name == "world" else name

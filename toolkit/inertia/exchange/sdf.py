@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from inertia.exchange.conventions import CONVENTIONS
-from inertia.exchange.writing import Body, attribute, heading, number, numbers, xml_comment
+from inertia.exchange.writing import Body, attribute, distinct, free, heading, number, numbers, xml_comment
 
 _CONVENTION = CONVENTIONS["sdf"]
 
@@ -17,13 +17,13 @@ def write(bodies: Sequence[Body], comments: Sequence[str]) -> str:
         '<?xml version="1.0" encoding="utf-8"?>',
         xml_comment(heading(bodies, _CONVENTION, comments)),
         '<sdf version="1.9">',
-        f"  <model name={attribute(_free(name))}>",
+        f"  <model name={attribute(_unreserved(name))}>",
     ]
-    for body in bodies:
+    for body, word in zip(bodies, distinct([body.name for body in bodies], _unreserved), strict=True):
         properties = body.properties
         elements = zip(_CONVENTION.order, _CONVENTION.elements(properties.inertia), strict=True)
         lines += [
-            f"    <link name={attribute(_free(body.name))}>",
+            f"    <link name={attribute(word)}>",
             "      <inertial>",
             f"        <pose>{numbers(properties.center_of_mass.tolist())} 0 0 0</pose>",
             f"        <mass>{number(properties.mass)}</mass>",
@@ -36,7 +36,7 @@ def write(bodies: Sequence[Body], comments: Sequence[str]) -> str:
     return "\n".join([*lines, "  </model>", "</sdf>", ""])
 
 
-def _free(name: str) -> str:
+def _unreserved(name: str) -> str:
     """Return a name that is not reserved: world, __name__ and what has the delimiter :: in it are."""
     name = name.replace("::", "_")
-    return f"{name}_" if name == "world" or (name.startswith("__") and name.endswith("__")) else name
+    return f"part{name}" if name.startswith("__") and name.endswith("__") else free(name)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from decimal import Decimal
 from typing import Any
 from xml.sax.saxutils import quoteattr
@@ -128,7 +128,33 @@ def attribute(name: str) -> str:
     >>> attribute('a<b & "c"\\x07')
     '\\'a&lt;b &amp; "c"_\\''
     """
-    return quoteattr(re.sub(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "_", name))
+    return quoteattr(_in_xml(name))
+
+
+def _in_xml(name: str) -> str:
+    return re.sub(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "_", name)
+
+
+def free(name: str) -> str:
+    """Return a name that is not that of the link or body which programs have already."""
+    return "world_" if name == "world" else name
+
+
+def distinct(names: Sequence[str], change: Callable[[str], str] = free) -> list[str]:
+    """Return names as they may stand in XML, changed, and with underscores behind those that others have then.
+
+    >>> distinct(["world", "world_", "a\\x07", "a_"])
+    ['world__', 'world_', 'a__', 'a_']
+    """
+    changed = [change(_in_xml(name)) for name in names]
+    taken = {there for name, there in zip(names, changed, strict=True) if there == name}
+    result = []
+    for name, there in zip(names, changed, strict=True):
+        while there != name and there in taken:
+            there += "_"
+        taken.add(there)
+        result.append(there)
+    return result
 
 
 def heading(bodies: Sequence[Body], convention: Convention, comments: Sequence[str]) -> list[str]:

@@ -6,7 +6,7 @@ Names are as they may be printed (`inertia.errors.visible`).
 from __future__ import annotations
 
 import math
-from dataclasses import field
+from dataclasses import field, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Literal
@@ -26,6 +26,10 @@ Motion = Literal["turns", "slides", "fixed", "other"]
 Filling = Literal["solid", "surface", "hull", "legacy"]
 
 
+COARSE = 0.01
+"""Of the trace of a tensor: decimals that leave more open are no figures at all."""
+
+
 @dataclass(frozen=True, eq=False)
 class Placement:
     """Where a frame lies in another: x = `rotation` x' + `origin`, (3, 3) and (3,) m."""
@@ -36,6 +40,11 @@ class Placement:
     def then(self, inner: Placement) -> Placement:
         """Return where a frame lies that is placed in this one."""
         return Placement(self.rotation @ inner.rotation, self.rotation @ inner.origin + self.origin)
+
+    @property
+    def inverse(self) -> Placement:
+        """Where the other frame lies in this one."""
+        return Placement(self.rotation.T, -self.rotation.T @ self.origin)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +67,18 @@ class Inertial:
     decimals: tuple[int | None, int | None, int | None] = (None, None, None)
     integrals: bool = False
     error: ErrorBound | None = None
+
+
+def rounding_of(written: Float, decimals: int | None) -> Fraction:
+    """Return by how much rounding to so many decimals may lower an eigenvalue of ½ tr(J) δ − J, kg m².
+
+    `written` is J, (3, 3) along the axes of the file.
+    """
+    if decimals is None:
+        return Fraction(0)
+    # Half a unit in each element of J moves vᵀ(½ tr(J) δ − J)v by 3/4 of one, or by 5/4 where products are rounded too.
+    of_unit = Fraction(5, 4) if np.any(written - np.diag(np.diag(written))) else Fraction(3, 4)
+    return of_unit / Fraction(10) ** decimals
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,6 +199,12 @@ class Joint:
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", visible(self.name))
         object.__setattr__(self, "parent", self.parent and visible(self.parent))
+
+    def turned_round(self, child: str | None) -> Joint:
+        """Return the joint that hangs its parent on its child, None for the world, with the same positions."""
+        turn, at = self.placement.rotation, self.placement.origin
+        axis, point = -turn @ self.axis, turn @ self.point + at
+        return replace(self, parent=child, placement=self.placement.inverse, axis=axis, point=point)
 
 
 @dataclass(frozen=True, eq=False)

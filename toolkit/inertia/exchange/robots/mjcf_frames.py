@@ -19,6 +19,7 @@ from inertia.mesh.readers.contents import shown
 from inertia.records import dataclass
 
 _SHORTEST, _LONGEST = 1e-15**0.5, 1e154  # quaternions that MuJoCo normalises, as their squares are numbers
+_NO_LENGTH = 1e-7  # of a direction: MuJoCo does not load shorter ones
 _UNITS = {"degree": math.pi / 180, "radian": 1.0}
 ORIENTATIONS = ("quat", "axisangle", "euler", "xyaxes", "zaxis")
 
@@ -63,6 +64,7 @@ class Angles:
             axes = numbers(attributes, "xyaxes", 6, None, what).reshape(2, 3)
             x = _unit(axes[0], what)
             y = _unit(axes[1] - x * (x @ axes[1]), what)
+            y = _unit(y - x * (x @ y), what)  # of axes close together, the first step leaves what was rounded
             return np.column_stack([x, y, np.cross(x, y)])
         if "zaxis" in attributes:
             return along(numbers(attributes, "zaxis", 3, None, what), what)
@@ -95,8 +97,8 @@ def _turn(axis: Float, angle: float) -> Float:
 
 def _unit(vector: Float, what: str) -> Float:
     length = math.hypot(*vector.tolist())
-    if not length:
-        raise ReadError(f"{what}: an axis of no length")
+    if length < _NO_LENGTH:
+        raise ReadError(f"{what}: an axis of no length, or along another one: MuJoCo loads none below {_NO_LENGTH:g}")
     return vector / length
 
 

@@ -27,6 +27,7 @@ class Counted:
     volume : m³ counted
     encloses : m³, the pyramids with their signs
     center : (3,) m
+    away : m, how far that is from the centre of what it encloses
     inertia : (3, 3) about it, at 1 kg/m³
     error : what rounding may have done to them
     """
@@ -34,6 +35,7 @@ class Counted:
     volume: float
     encloses: float
     center: Float
+    away: float
     inertia: Float
     error: ErrorBound
 
@@ -42,14 +44,13 @@ def legacy(corners: Float) -> Counted | None:
     """Return what MuJoCo counts of a mesh (m, 3, 3) m: Σ|V| of the pyramids between its triangles and an apex.
 
     For the centre of mass the apex is the centroid of the surface, and for volume and tensor that centre of mass.
-    None where nothing is counted twice, as in a mesh that is convex: it is what the mesh encloses then.
+    None where neither counts anything twice, as in a mesh that is convex: it is what the mesh encloses then.
     """
     with np.errstate(all="ignore"):  # of coordinates whose products float64 cannot hold, nothing is known here
-        counted = _counted(corners)
-    return counted if counted.volume > counted.encloses * (1 + _ROUNDING) else None
+        return _counted(corners)
 
 
-def _counted(corners: Float) -> Counted:
+def _counted(corners: Float) -> Counted | None:
     crosses = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = np.linalg.norm(crosses, axis=1)
     apex = areas @ corners.mean(axis=1) / areas.sum()
@@ -62,7 +63,10 @@ def _counted(corners: Float) -> Counted:
     volumes, sums = np.abs(signed), corners.sum(axis=1)
     second = np.einsum("i,ijk,ijl->kl", volumes, corners, corners) + np.einsum("i,ik,il->kl", volumes, sums, sums)
     inertia = (np.trace(second) * np.eye(3) - second) / 20
-    volume = float(volumes.sum())
+    volume, encloses = float(volumes.sum()), abs(float(signed.sum()))
+    if not max(volume, float(first.sum())) > encloses * (1 + _ROUNDING):
+        return None
+    away = 0.75 * float(np.linalg.norm(signed @ corners.mean(axis=1))) / encloses
     # Each coordinate, and the apex, a sum of so many terms, may be off by `moved`; a pyramid by that times its base.
     reach, area = float(np.linalg.norm(corners, axis=2).max()), float(areas.sum())
     moved = (len(corners) + 64) * 2.0**-52 * (largest + reach)
@@ -70,7 +74,7 @@ def _counted(corners: Float) -> Counted:
     lost = area * (moved + off)
     tensor = (2 * lost * reach**2 + 4 * volume * reach * off) / float(np.linalg.norm(inertia))
     error = ErrorBound("pyramids of MuJoCo", lost / volume, lost / volume, off, tensor)
-    return Counted(volume, abs(float(signed.sum())), center, inertia, error)
+    return Counted(volume, encloses, center, away, inertia, error)
 
 
 def shell(shape: Primitive) -> tuple[float, Float]:

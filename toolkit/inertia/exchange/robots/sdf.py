@@ -16,8 +16,9 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from inertia.errors import ReadError
+from inertia.errors import ReadError, visible
 from inertia.exchange.conventions import CONVENTIONS
+from inertia.exchange.robots.forest import forest
 from inertia.exchange.robots.links import Geometry, Inertial, Joint, Link, Motion, Placement, Primitive, Robot, Role
 from inertia.exchange.robots.text import decimals, floats, is_file, mesh_file, robot_xml, scales
 from inertia.exchange.rotations import rotation_of_quaternion, rotation_of_rpy
@@ -44,13 +45,13 @@ _SHAPELESS = ("plane", "heightmap", "image", "empty")
 class _Frames:
     """Where the frames of a file lie: each by its full name, the full name of the one it counts from, and its pose.
 
-    `links` are those of them that are links; `joints` is what each hangs on, moving or not, by full names; `attached`
-    is what a frame goes with.
+    `links` are those of them that are links, those of nested models first as in Drake; `joints` are those between
+    them, moving or not, each with its child; `attached` is what a frame goes with.
     """
 
     poses: dict[str, tuple[str, Placement]] = field(default_factory=dict)
-    links: set[str] = field(default_factory=set)
-    joints: dict[str, Joint] = field(default_factory=dict)
+    links: dict[str, None] = field(default_factory=dict)
+    joints: list[tuple[str, Joint]] = field(default_factory=list)
     attached: dict[str, str] = field(default_factory=dict)
 
     def find(self, name: str, scope: str) -> str:
@@ -76,19 +77,13 @@ class _Frames:
             full = self.attached[full]
         return full
 
-    def hangs(self, link: str, on: str) -> bool:
-        """Whether a link is another one, or hangs on it by joints."""
-        while link != on and link in self.joints:
-            link = self.joints[link].parent or ""
-        return link == on
-
     def between(self, outer: str, inner: str) -> Placement:
         """Return where one frame lies in another, by way of the nearest frame that both count from."""
         up, down = self._path(outer), self._path(inner)
         while up and down and up[-1] == down[-1]:
             del up[-1], down[-1]
         there, here = self._along(up), self._along(down)
-        return Placement(there.rotation.T, -there.rotation.T @ there.origin).then(here)
+        return there.inverse.then(here)
 
     def _path(self, name: str) -> list[str]:
         """Return a frame, the one it counts from, and so on to the world."""
@@ -127,11 +122,16 @@ def read_sdf(path: Path) -> Robot:
     for place in places:
         _declare(place, "", frames)
     notes |= dict.fromkeys(note for place in places for note in _join(place, "", root, frames))
+    hung, loops = forest(sorted(frames.joints, key=lambda each: each[1].kind != "fixed"), frames.links)
     drop = scopes[0] if len(models) == 1 else ""  # with one model its name says nothing
+    notes |= {
+        f"joint {shown(joint.name.removeprefix(drop))} closes a loop: it is left out of the tree": None
+        for joint in loops
+    }
     links = [
         link
         for model, scope in zip(models, scopes, strict=True)
-        for link in _links(model, scope, frames, drop, path.parent, folders, notes)
+        for link in _links(model, scope, frames, hung, drop, path.parent, folders, notes)
     ]
     if not links:
         raise ReadError("it holds no link", code="empty")
@@ -235,11 +235,10 @@ def _declare(place: Element, scope: str, frames: _Frames) -> None:
             element.set("name", name)
         names.add(name)
         frames.poses[scope + name] = model, _pose(element, f"{tag} {shown(name)}")
-        if tag == "link":
-            frames.links.add(scope + name)
     for child, within in inner:
         frames.poses[within + _MODEL] = model, _pose(child, f"model {shown(child.get('name', ''))}")
         _declare(child, within, frames)
+    frames.links |= {scope + element.get("name", ""): None for tag, element in elements if tag == "link"}
     # Now that every name is known, what each counts from.
     for tag, element in elements:
         full = scope + element.get("name", "")
@@ -273,6 +272,7 @@ def _links(
     model: Element,
     scope: str,
     frames: _Frames,
+    hung: Mapping[str, Joint],
     drop: str,
     folder: Path,
     folders: Mapping[Element, Path],
@@ -286,7 +286,7 @@ def _links(
         full = scope + element.get("name", "")
         name = full.removeprefix(drop)
         geometries = tuple(_geometries(element, full, name, scope, frames, folders.get(element, folder), notes))
-        joint = frames.joints.get(full)
+        joint = hung.get(visible(full))
         if joint is None:
             joint = Joint(name, None, frames.between("", full))
         else:
@@ -299,20 +299,20 @@ def _links(
         _, mass = _automatic(element, what)
         yield Link(name, inertial, geometries, parent, placement, joint=joint, mass=mass)
     for child in model.findall("model"):
-        yield from _links(child, f"{scope}{child.get('name', '')}::", frames, drop, folder, folders, notes)
+        yield from _links(child, f"{scope}{child.get('name', '')}::", frames, hung, drop, folder, folders, notes)
 
 
 def _join(place: Element, scope: str, root: Element, frames: _Frames) -> Iterator[str]:
-    """Gather what hangs together by joints, and yield what had to be decided."""
-    for joint in sorted(place.findall("joint"), key=lambda joint: joint.get("type") != "fixed"):
-        if note := _hang(joint, scope, root, frames):
+    """Gather joints, and yield what had to be decided."""
+    for joint in place.findall("joint"):
+        if note := _read_joint(joint, scope, root, frames):
             yield note
     for model in place.findall("model"):
         yield from _join(model, f"{scope}{model.get('name', '')}::", root, frames)
 
 
-def _hang(joint: Element, scope: str, root: Element, frames: _Frames) -> str | None:
-    """Gather what one link hangs on, where every joint is at 0; return why it is left out, if it is."""
+def _read_joint(joint: Element, scope: str, root: Element, frames: _Frames) -> str | None:
+    """Gather a joint, where all are at 0; return why it is left out, if it is."""
     name = joint.get("name", "")
     ends = [joint.findtext(tag, "").strip() for tag in ("parent", "child")]
     if not all(ends):
@@ -321,12 +321,8 @@ def _hang(joint: Element, scope: str, root: Element, frames: _Frames) -> str | N
         for end in ends:
             frames.find(end, scope)
     parent, child = (frames.link(end, scope) for end in ends)
-    if parent is None or not child or child in frames.joints or frames.hangs(parent, child):
-        return (
-            f"joint {shown(name)} closes a loop or joins frames of no link: it is left out of the tree"
-            if child
-            else None
-        )
+    if parent is None or not child:
+        return f"joint {shown(name)} joins frames of no link: it is left out of the tree" if child else None
     full = scope + name
     kind, axis = _MOTIONS.get(joint.get("type", ""), "other"), np.array([0.0, 0.0, 1.0])
     element = joint.find("axis")
@@ -345,7 +341,7 @@ def _hang(joint: Element, scope: str, root: Element, frames: _Frames) -> str | N
     except ReadError:
         kind = "other" if kind in ("turns", "slides") else kind
     point = frames.between(child, full).origin
-    frames.joints[child] = Joint(full, parent or None, frames.between(parent, child), kind, axis, point)
+    frames.joints.append((child, Joint(full, parent or None, frames.between(parent, child), kind, axis, point)))
     return None
 
 

@@ -13,7 +13,18 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.errors import GeometryError, ReadError, UsageError, reworded
-from inertia.exchange.robots.links import Geometry, Inertial, Joint, Link, Partial, Placement, Primitive, Robot
+from inertia.exchange.robots.links import (
+    COARSE,
+    Geometry,
+    Inertial,
+    Joint,
+    Link,
+    Partial,
+    Placement,
+    Primitive,
+    Robot,
+    rounding_of,
+)
 from inertia.exchange.robots.mjcf_masses import legacy, shell
 from inertia.exchange.robots.solids import inertial_of, of_mesh, weighed
 from inertia.exchange.rotations import rotation_of_quaternion
@@ -68,7 +79,7 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
         notes += [_lacks(link, each) for each in weighing if _fault(each)]
         sound = [each for each in weighing if not _fault(each)]
         whole = _whole(link, sound, robot.least)
-        parts.append(_part(replace(link, inertial=whole), positions))
+        parts.append(_part(replace(link, inertial=whole), positions, notes))
         if whole is None:
             parts += _of_geometries(link, sound, notes, names, taken)
         notes += _unbounded(robot, link)
@@ -81,8 +92,9 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
             for joint in link.joints
             if joint.kind == "other"
         ]
-    if robot.mass is not None:
-        _scale([part for part in parts if "mass" in part or "density" in part], robot.mass)
+    weights = [part for part in parts if "mass" in part or "density" in part]
+    if robot.mass is not None and weights:
+        _scale(weights, robot.mass)
     return {"schema": 1, "name": robot.name or robot.path.stem, "unit": "m", "part": parts}, tuple(notes)
 
 
@@ -121,9 +133,17 @@ def _is_counted(geometry: Geometry) -> bool:
 def _unbounded(robot: Robot, link: Link) -> list[str]:
     """Return, in sentences, what of a link might have to be raised, and is not."""
     weighing = [] if link.inertial is not None else [each for each in link.geometries if each.weighs]
-    if not any(robot.least) or not any(map(_is_counted, weighing)):
-        return []
-    return [f"link {link.name} weighs by a mesh or a surface: it is not raised to the least that MuJoCo has: state it"]
+    mass, moment = robot.least
+    if any(robot.least) and any(map(_is_counted, weighing)):
+        return [
+            f"link {link.name} weighs by a mesh or a surface: it is not raised to the least that MuJoCo has: state it"
+        ]
+    if moment > 0 and not mass > 0 and not weighing and not (link.inertial is not None and link.inertial.mass > 0):
+        return [
+            f"link {link.name} has no mass, and what MuJoCo raises its moments to, {moment:g} kg m², is not counted: "
+            "give it a mass, or leave boundinertia out"
+        ]
+    return []
 
 
 def _require_roots(robot: Robot) -> None:
@@ -156,7 +176,7 @@ def unweighed(robot: Robot) -> tuple[str, ...]:
     without = [link for link in links if link.mass is not None and not any(each.weighs for each in link.geometries)]
     return (
         *robot.left_out,
-        *(sentence for link in links for sentence in _unbounded(robot, link)),
+        *(sentence for link in robot.links for sentence in _unbounded(robot, link)),
         *(_lacks(link, geometry) for link, geometry in shapes if _fault(geometry)),
         *(f"link {link.name} states a mass of {link.mass:g} kg, but no shape that has it" for link in without),
     )
@@ -186,7 +206,7 @@ def _followed(name: str, joints: Mapping[str, Joint], positions: Mapping[str, fl
     return factor * positions.get(name, 0.0) + shift
 
 
-def _part(link: Link, positions: Mapping[str, float]) -> dict[str, Any]:
+def _part(link: Link, positions: Mapping[str, float], notes: list[str]) -> dict[str, Any]:
     if link.fault:
         raise GeometryError(f"{link.fault}: mend it with `audit`, or leave it out")
     if link.inertial is not None and link.inertial.mass < 0:
@@ -203,11 +223,23 @@ def _part(link: Link, positions: Mapping[str, float]) -> dict[str, Any]:
         rotation = stated.placement.rotation
         tensor = rotation @ stated.inertia @ rotation.T
         tensor = (tensor + tensor.T) / 2
-        if broken := faults(tensor):
-            raise GeometryError(f"link {link.name}: {broken[0]}: mend it with `audit`, or leave the tensor out")
         part |= {"mass": stated.mass, "center_of_mass": stated.placement.origin.tolist(), "inertia": tensor.tolist()}
         part |= {} if stated.error is None else {"bound": _bound_of(stated.error)}
+        if broken := faults(tensor):
+            if not _is_rounded(stated):
+                raise GeometryError(f"link {link.name}: {broken[0]}: mend it with `audit`, or leave the tensor out")
+            notes.append(
+                f"link {link.name}: {broken[0]}: rounding to its last decimal explains that, and it counts as it is"
+            )
+            part["bound"] = {"inertia": 1.5 * 10.0 ** -(stated.decimals[2] or 0) / float(np.linalg.norm(tensor))}
     return part
+
+
+def _is_rounded(stated: Inertial) -> bool:
+    """Whether rounding to the last decimal explains that a tensor breaks the triangle rule, as `audit` has it."""
+    moments = np.linalg.eigvalsh(stated.inertia)
+    slack = min(float(rounding_of(stated.inertia, stated.decimals[2])), COARSE * float(moments.sum()))
+    return bool(moments[0] > 0 and moments[0] + moments[1] - moments[2] >= -2 * slack)
 
 
 def _of_geometries(
@@ -314,7 +346,8 @@ def _counted(geometry: Geometry, mesh: Path | Part, name: str, notes: list[str])
     factor, unit = (density, "kg") if mass is None else (1.0, "m³")
     notes.append(
         f"{name}: its mesh is not convex, and MuJoCo's legacy inertia counts {factor * counted.volume:.4g} {unit} "
-        f'where it encloses {factor * counted.encloses:.4g} {unit}: write inertia="exact" in its <mesh> for that'
+        f"where it encloses {factor * counted.encloses:.4g} {unit}, about a centre of mass that is "
+        f'{1e3 * counted.away:.3g} mm off: write inertia="exact" in its <mesh> for what it encloses'
     )
     weight, error = density * counted.volume if mass is None else mass, counted.error
     if not error.mass < 1:

@@ -8,6 +8,7 @@ UsdPhysics: what is zero, or not finite for the centre of mass, counts as not gi
 from __future__ import annotations
 
 import importlib.util
+import math
 import re
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
@@ -17,7 +18,8 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.errors import ReadError
+from inertia.errors import ReadError, visible
+from inertia.exchange.robots.forest import forest
 from inertia.exchange.robots.links import (
     Filling,
     Geometry,
@@ -53,6 +55,7 @@ _LONGEST = 300  # characters of what OpenUSD says
 _PASSING = re.compile(r",?@anon:0x[0-9a-f]+:[^@]*@| \(instantiating stage on stage .*")
 """Of what OpenUSD says, what has an address in memory."""
 _SKEW = 1e-6  # of their lengths: axes at right angles to this are so up to what float32 stored of their matrix
+_SQUARE = 3e-15  # likewise, up to what float64 rounds, which an assembly takes for a rotation
 
 
 class _Stage:
@@ -176,12 +179,10 @@ def read_usd(path: Path) -> Robot:
     if not stage.bodies:
         raise ReadError("no prim of it has PhysicsRigidBodyAPI or PhysicsMassAPI", code="empty")
     notes: dict[str, None] = {}
-    hung = dict(_fixed_joints(stage))
-    joints = _joints(stage, notes)
+    hung = _hung(stage, notes)
     links = []
     for prim in stage.bodies:
         name = stage.labels[str(prim.GetPath())]
-        parent, placement = hung.get(name, (None, Placement()))
         try:
             if not stage.is_enabled(prim):
                 notes[f"{shown(prim.GetName())} is not enabled as a rigid body: it is counted as one"] = None
@@ -200,45 +201,27 @@ def read_usd(path: Path) -> Robot:
             stage.fault,
         ):  # what is against the schema is handed out
             raise ReadError(f"an attribute in {prim.GetPath()} has another type than its schema") from None
-        joint = joints.get(name) or Joint(name, None, _frame(stage, prim))
+        joint = hung.get(visible(name)) or Joint(name, None, _frame(stage, prim))
+        is_fixed = joint.kind == "fixed" and joint.parent is not None
+        parent, placement = (joint.parent, joint.placement) if is_fixed else (None, Placement())
         links.append(Link(name, inertial, geometries, parent, placement, joint=joint, mass=mass, stated=stated))
     return Robot(path, "usd", stage.name, tuple(links), (*notes, *dict.fromkeys(stage.warnings())))
 
 
 def _rotation(matrix: Float) -> Float:
     """Return the rotation nearest to a matrix; its columns at unit length where they are at right angles."""
-    lengths = np.linalg.norm(matrix, axis=0)
-    if _is_askew(matrix) or np.linalg.det(matrix) <= 0:
+    if _is_askew(matrix, _SQUARE) or np.linalg.det(matrix) <= 0:
         left, _, right = np.linalg.svd(matrix)
         return np.asarray(left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right)
-    return np.asarray(matrix / lengths)
+    return np.asarray(matrix / np.linalg.norm(matrix, axis=0))
 
 
-def _is_askew(matrix: Float) -> bool:
+def _is_askew(matrix: Float, limit: float = _SKEW) -> bool:
     lengths = np.linalg.norm(matrix, axis=0)
     if not lengths.all():
         return True
     unit = matrix / lengths
-    return bool(np.abs(unit.T @ unit - np.eye(3)).max() > _SKEW)
-
-
-def _fixed_joints(stage: _Stage) -> Iterator[tuple[str, tuple[str, Placement]]]:
-    """Yield the name of each link that is fixed to another, that one's name, and where it lies in it."""
-    prims = {str(prim.GetPath()): prim for prim in stage.bodies}
-    for joint in stage.prims:
-        if not joint.IsA(stage.physics.FixedJoint):
-            continue
-        joint = stage.physics.FixedJoint(joint)
-        if joint.GetJointEnabledAttr().Get() is False:
-            continue
-        ends = [relation.GetTargets() for relation in (joint.GetBody0Rel(), joint.GetBody1Rel())]
-        bodies = [stage.body_of(str(end[0])) if end else None for end in ends]
-        if bodies[0] is None or bodies[1] is None or bodies[0] == bodies[1]:
-            continue
-        (a, p), (b, q) = (stage.place(prims[body]) for body in bodies if body)
-        there, here = _rotation(a), _rotation(b)
-        where = Placement(there.T @ here, there.T @ (q - p) * stage.metres)
-        yield stage.labels[bodies[1]], (stage.labels[bodies[0]], where)
+    return bool(np.abs(unit.T @ unit - np.eye(3)).max() > limit)
 
 
 def _frame(stage: _Stage, prim: Any) -> Placement:
@@ -247,10 +230,24 @@ def _frame(stage: _Stage, prim: Any) -> Placement:
     return Placement(_rotation(matrix), origin * stage.metres)
 
 
-def _joints(stage: _Stage, notes: dict[str, None]) -> dict[str, Joint]:
-    """Return what each link hangs on, by its name, where the joint is at 0."""
+def _hung(stage: _Stage, notes: dict[str, None]) -> dict[str, Joint]:
+    """Return what each link hangs on, by its name, where the joint is at 0.
+
+    Of a loop the joint is left out that no articulation is to have, or that moves.
+    """
+    joints = sorted(_joints(stage, notes), key=lambda each: (each[0], each[2].kind != "fixed"))
+    roots = [
+        stage.labels[str(prim.GetPath())] for prim in stage.bodies if prim.HasAPI(stage.physics.ArticulationRootAPI)
+    ]
+    hung, loops = forest(((child, joint) for _, child, joint in joints), stage.labels.values(), roots)
+    notes |= {f"joint {shown(joint.name)} closes a loop: it is left out of the tree": None for joint in loops}
+    return hung
+
+
+def _joints(stage: _Stage, notes: dict[str, None]) -> Iterator[tuple[bool, str | None, Joint]]:
+    """Yield each joint, at 0, from its body 0 to its body 1; the latter, and whether no articulation is to have it."""
     prims = {str(prim.GetPath()): prim for prim in stage.bodies}
-    joints: dict[str, Joint] = {}
+    names: set[str] = set()
     for prim in stage.prims:
         if not prim.IsA(stage.physics.Joint):
             continue
@@ -259,24 +256,17 @@ def _joints(stage: _Stage, notes: dict[str, None]) -> dict[str, Joint]:
             continue
         targets = [str((*relation.GetTargets(), "")[0]) for relation in (joint.GetBody0Rel(), joint.GetBody1Rel())]
         bodies = [stage.body_of(target) for target in targets]
+        if bodies[0] == bodies[1]:
+            continue
+        parent, child = (body and stage.labels[body] for body in bodies)
         places = [
             (joint.GetLocalPos0Attr(), joint.GetLocalRot0Attr()),
             (joint.GetLocalPos1Attr(), joint.GetLocalRot1Attr()),
         ]
-        inner = 0 if bodies[1] is None else 1  # the end that is on the world stands still
-        child, parent = bodies[inner], bodies[1 - inner]
-        if child is None or child == parent:
-            continue
-        name = stage.labels[child]
-        if name in joints:
-            notes[f"joint {shown(prim.GetName())} closes a loop: it is left out of the tree"] = None
-            continue
-        here, there = (_end(stage, prims, targets[k], bodies[k], *places[k]) for k in (inner, 1 - inner))
-        back = Placement(here.rotation.T, -here.rotation.T @ here.origin)
+        there, here = (_end(stage, prims, targets[k], bodies[k], *places[k]) for k in range(2))
         kind, axis = _motion(stage, prim)
-        outer = Placement() if parent is None else _frame(stage, prims[parent])
-        out = Placement(outer.rotation.T, -outer.rotation.T @ outer.origin)
-        authored, placement = out.then(_frame(stage, prims[child])), there.then(back)
+        outer, inner = (Placement() if body is None else _frame(stage, prims[body]) for body in bodies)
+        authored, placement = outer.inverse.then(inner), there.then(here.inverse)
         apart = max(
             float(np.abs(authored.rotation - placement.rotation).max()),
             float(np.abs(authored.origin - placement.origin).max()),
@@ -285,11 +275,10 @@ def _joints(stage: _Stage, notes: dict[str, None]) -> dict[str, Joint]:
             placement = authored
         elif apart > _ELSEWHERE:
             notes[f"joint {shown(prim.GetName())} is not at 0 in the stage: its link stands where 0 puts it"] = None
-        along = here.rotation @ axis * (1 if inner else -1)
-        label = str(prim.GetPath()) if prim.GetName() in {each.name for each in joints.values()} else prim.GetName()
-        above = None if parent is None else stage.labels[parent]
-        joints[name] = Joint(label, above, placement, kind, along, here.origin)
-    return joints
+        label = str(prim.GetPath()) if prim.GetName() in names else prim.GetName()
+        names.add(label)
+        excluded = bool(joint.GetExcludeFromArticulationAttr().Get())
+        yield excluded, child, Joint(label, parent, placement, kind, here.rotation @ axis, here.origin)
 
 
 def _end(
@@ -305,8 +294,7 @@ def _end(
     there = Placement(_rotation(matrix) @ own, (matrix @ at + origin) * stage.metres)
     if body is None:
         return there
-    link = _frame(stage, prims[body])
-    return Placement(link.rotation.T, -link.rotation.T @ link.origin).then(there)
+    return _frame(stage, prims[body]).inverse.then(there)
 
 
 def _motion(stage: _Stage, prim: Any) -> tuple[Motion, Float]:
@@ -368,7 +356,9 @@ def _inertial(
     center = np.zeros(3) if stated.center is None and not collides else stated.center
     if values.mass and stated.moments is not None and center is not None:
         turn = np.eye(3) if stated.axes is None else stated.axes
-        return Inertial(mass, Placement(turn, center), np.diag(stated.moments)), None, None
+        unit = float(np.abs(stated.moments).max()) * 2.0**-23  # of float32
+        written = (None, None, math.floor(-math.log10(unit)))
+        return Inertial(mass, Placement(turn, center), np.diag(stated.moments), written), None, None
     given = {
         "mass": values.mass > 0,
         "centre of mass": values.center is not None,
@@ -470,7 +460,7 @@ def _axes(stage: _Stage, body: Any) -> tuple[Matrix, tuple[Fraction, ...]]:
     """
     matrix, _ = stage.place(body)
     lies, metres = stage.transforms.place(body), Fraction(repr(stage.metres))
-    if _is_askew(matrix) or np.linalg.det(matrix) <= 0:
+    if _is_askew(matrix, _SQUARE) or np.linalg.det(matrix) <= 0:
         turn: Matrix = tuple(tuple(Fraction(k) for k in row) for row in _rotation(matrix).T.tolist())
     else:
         turn = times(diagonal(map(_length, zip(*lies.linear, strict=True))), inverse(lies.linear))
