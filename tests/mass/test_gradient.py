@@ -198,8 +198,10 @@ def test_cells_with_nodes_in_one_place_move_together() -> None:
     np.testing.assert_allclose(welded.inertia[order], whole.inertia, atol=1e-13)
 
 
-def differences(moments_of: Callable, points: list[list[Fraction]], row: int, axis: int) -> list[float]:
-    """Return the derivatives of the ten moments by a coordinate, by mpmath's differences with 40 digits."""
+def differences(
+    moments_of: Callable, points: list[list[Fraction]], row: int, axis: int, count: int = 10
+) -> list[float]:
+    """Return the derivatives of the first of the ten moments by a coordinate, by mpmath's differences at 40 digits."""
     with mpmath.workdps(40):
 
         def at(k: int) -> Callable:
@@ -210,7 +212,7 @@ def differences(moments_of: Callable, points: list[list[Fraction]], row: int, ax
 
             return value
 
-        return [float(mpmath.diff(at(k), 0)) for k in range(10)]
+        return [float(mpmath.diff(at(k), 0)) for k in range(count)]
 
 
 def quotient(m: list[float], dm: list[float]) -> tuple[list[float], list[float]]:
@@ -356,8 +358,8 @@ def test_derivatives_of_a_curved_wire_follow_its_arc() -> None:
             slopes = (t - mpmath.mpf(1) / 2, t + mpmath.mpf(1) / 2, -2 * t)
             return mpmath.sqrt(sum(sum(s * p[i] for s, p in zip(slopes, places, strict=True)) ** 2 for i in range(3)))
 
-        return [mpmath.quad(speed, [-1, 0, 1])] * 10
+        return [mpmath.quad(speed, [-1, 0, 1])]
 
     rational = [[Fraction(x) for x in p] for p in points.tolist()]
     for row, axis in [(0, 0), (1, 1), (2, 2)]:
-        assert gradient.volume[row, axis] == pytest.approx(differences(length, rational, row, axis)[0], rel=1e-9)
+        assert gradient.volume[row, axis] == pytest.approx(differences(length, rational, row, axis, 1)[0], rel=1e-9)

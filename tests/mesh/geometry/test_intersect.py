@@ -55,24 +55,36 @@ def rational_sign(a, b, c, d) -> int:
     return (volume > 0) - (volume < 0)
 
 
+def whole(triangles):
+    """Return triangles in whole numbers: times a power of two, exactly."""
+    ratios = [[[Fraction(x) for x in point] for point in triangle] for triangle in triangles]
+    scale = max(x.denominator for triangle in ratios for point in triangle for x in point)
+    return [[tuple(int(x * scale) for x in point) for point in triangle] for triangle in ratios]
+
+
 def interiors_cross(one, other) -> bool:
-    """Clip the line that the planes have in common by both open triangles."""
+    """Clip the line that the planes have in common by both open triangles, of whole numbers."""
+    if any(
+        max(a) <= min(b) or max(b) <= min(a)
+        for a, b in zip(zip(*one, strict=True), zip(*other, strict=True), strict=True)
+    ):
+        return False
     normals = [cross(minus(t[1], t[0]), minus(t[2], t[0])) for t in (one, other)]
     along = cross(*normals)
     if not any(along):
         return False
     offsets = dot(normals[0], one[0]), dot(normals[1], other[0])
     sums = [offsets[0] * q - offsets[1] * p for p, q in zip(*normals, strict=True)]
-    point = [Fraction(value, dot(along, along)) for value in cross(sums, along)]
+    point, size = cross(sums, along), dot(along, along)  # the point times the size
     start, stop = [], []
     for corners, normal in zip((one, other), normals, strict=True):
         for k in range(3):
             inwards = cross(normal, minus(corners[(k + 1) % 3], corners[k]))
-            here, rise = dot(minus(point, corners[k]), inwards), dot(along, inwards)
+            here, rise = dot(minus(point, [size * x for x in corners[k]]), inwards), dot(along, inwards)
             if rise == 0 and here <= 0:
                 return False
             if rise:
-                (start if rise > 0 else stop).append(-here / rise)
+                (start if rise > 0 else stop).append(Fraction(-here, rise))
     return max(start) < min(stop)
 
 
@@ -162,7 +174,7 @@ class TestCrossings:
     @given(triangle, triangle)
     @settings(deadline=None, max_examples=300)
     def test_two_triangles_cross_where_rational_clipping_says_so(self, one, other):
-        expected = interiors_cross(one, other)
+        expected = interiors_cross(*whole([one, other]))
         assert crossings(Surface(one, [[0, 1, 2]]), Surface(other, [[0, 1, 2]])).total == expected
         assert crossings(Surface(one + other, [[0, 1, 2], [3, 4, 5]])).total == expected
 
@@ -170,16 +182,13 @@ class TestCrossings:
     @settings(deadline=None, max_examples=200)
     def test_triangles_that_share_a_vertex_can_still_cross(self, one, u, v):
         contacts = crossings(Surface([*one, u, v], [[0, 1, 2], [3, 0, 4]]))
-        assert contacts.total == interiors_cross(one, [u, one[0], v])
+        assert contacts.total == interiors_cross(*whole([one, [u, one[0], v]]))
 
     def test_every_crossing_among_many_triangles_is_found(self):
         rng = np.random.default_rng(8)
         corners = rng.integers(-6, 7, (70, 3, 3))
-        expected = [
-            [i, j]
-            for i, j in itertools.combinations(range(70), 2)
-            if interiors_cross(corners[i].tolist(), corners[j].tolist())
-        ]
+        exact = whole(corners.tolist())
+        expected = [[i, j] for i, j in itertools.combinations(range(70), 2) if interiors_cross(exact[i], exact[j])]
         contacts = crossings(surface(corners), limit=10_000)
         assert contacts.pairs.tolist() == expected
         assert len(expected) > 100
@@ -277,11 +286,11 @@ class TestEngines:
     @pytest.mark.parametrize("name", soups())
     def test_both_find_what_rational_clipping_finds(self, name, scale):
         corners = soups()[name] * scale
-        rational = [[tuple(map(Fraction, point)) for point in one] for one in corners.tolist()]
+        exact = whole(corners.tolist())
         expected = [
             [i, j]
             for i, j in itertools.combinations(range(len(corners)), 2)
-            if len({*rational[i]} & {*rational[j]}) < 2 and interiors_cross(rational[i], rational[j])
+            if len({*exact[i]} & {*exact[j]}) < 2 and interiors_cross(exact[i], exact[j])
         ]
         by_kernel, by_numpy = (
             listed(compiled_crossings(surface(corners))),

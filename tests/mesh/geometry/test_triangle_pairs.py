@@ -2,7 +2,6 @@
 
 import itertools
 from collections.abc import Callable
-from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ from inertia.mesh.geometry.near_triangles import crossing_triangles, touching_tr
 from inertia.mesh.geometry.triangle_pairs import UNSURE, cross_signs, crossing, orient3d, parted
 from inertia.mesh.geometry.winding import windings
 
-from .test_intersect import interiors_cross, rational_sign
+from .test_intersect import interiors_cross, rational_sign, whole
 
 PAIRS = 300
 
@@ -76,10 +75,10 @@ class TestKernels:
         rng = np.random.default_rng(seed)
         vertices = points(rng)
         one, other = rng.integers(0, len(vertices), (2, PAIRS, 3))
-        corners = [[[[*map(Fraction, point)] for point in vertices[face]] for face in faces] for faces in (one, other)]
+        exact = whole(vertices[np.concatenate([one, other])].tolist())
         expected = [
             len({*map(int, a)} & {*map(int, b)}) < 2 and interiors_cross(p, q)
-            for a, b, p, q in zip(one, other, *corners, strict=True)
+            for a, b, p, q in zip(one, other, exact[:PAIRS], exact[PAIRS:], strict=True)
         ]
         sign = cross_signs(vertices, one, other)
         known = sign != UNSURE

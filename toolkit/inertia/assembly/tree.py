@@ -252,13 +252,13 @@ class PartTree(Document):
                 copies *= part.copies
                 if copies > _MOST_COPIES:
                     raise UsageError(f"{part.name}: {copies} copies are more than {_MOST_COPIES}")
-                frames = self._frames(part)
                 body = self._body(part, library, contexts)
                 inner = self._nested(part, library, chain, contexts, level + 1, copies)
             except InertiaError as error:
                 raise placed(error, self.path, FieldPath(where)) from None
             own = tuple(node(k, level + 1, copies) for k in below.get(part.name, ()))
             label = self._label(part.name, contexts)
+            frames = self._frames(part)  # once it is known that there are not too many below
             return Node(part.name, label, part, where, self.path, self.unit, body, frames, inner + own)
 
         return tuple(node(k, level, copies) for k in below.get(None, ()))

@@ -269,9 +269,9 @@ class Integrator(ABC):
 
     def _in_python(self, piece: Piece, control: float, level: int, rows: Float) -> int:
         """Do the same a step at a time."""
-        watch = Watch()
         unit = piece.problem.unit
         stepper = self.stepper(piece, rows[piece.first] / unit, control, level)
+        watch = Watch()  # from here on: a stepper may load libraries first, which says nothing of its pace
         targets, samples = np.unique(piece.targets, return_inverse=True)
         values = np.empty((len(targets), len(unit)))
         done, end = 0, float(targets[-1])
