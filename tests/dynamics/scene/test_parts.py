@@ -118,6 +118,14 @@ def test_a_body_of_parts_is_put_together_in_python() -> None:
     assert run.angular_velocity[2, 2] == pytest.approx(8 * 4.505 / 0.905)
 
 
+@pytest.mark.parametrize("name", ["cat", "diver", "skater"])
+def test_written_anew_a_scene_has_its_joints(name: str) -> None:
+    given = Scene.load(path(f"scenes/{name}.toml"))
+    one, other = (simulate(each) for each in (given, Scene.loads(given.to_toml())))
+    assert other.model == "deforming body"
+    np.testing.assert_array_equal(one.attitude, other.attitude)
+
+
 def test_the_report_and_the_document_tell_of_the_parts() -> None:
     run = simulate(Scene.from_dict(STOOL))
     text, document = run_text(run), run_document(run)

@@ -109,12 +109,23 @@ class Scene(Document):
         """
         return {
             "schema": self.version,
-            "body": {name: getattr(self.body, name) for name in ("inertia", "mass", "center_of_mass")},
+            **self._bodies(),
             "start": {**_fields(self.start), "angular_velocity": self.angular_velocity, "frame": "part"},
             "constraint": _fields(self.constraint),
             "run": _fields(self.run),
             "load": [load.entries(self.body.axes) for load in self.applied_loads],
         }
+
+    def _bodies(self) -> dict[str, Any]:
+        tensor = ("inertia", "mass", "center_of_mass")
+        if self.body.assembly is None:
+            return {"body": {name: getattr(self.body, name) for name in tensor}}
+        parts = []
+        for part in self.body.assembly.parts:
+            joints = [_fields(joint) | {"axis": joint.typed_axis} for joint in part.joints]
+            parts.append({name: getattr(part, name) for name in ("name", "parent", *tensor)})
+            parts[-1] |= {"joint": joints} if joints else {}
+        return {"part": parts}
 
     @property
     def source_text(self) -> str | None:
