@@ -210,7 +210,9 @@ def _repair(part: Part, options: argparse.Namespace) -> Repaired | None:
         options.memory = None  # what is enough for the repair is enough for the rest
     from inertia.mass.repair import repair, weld
 
-    return repair(part, options.weld) if options.repair else weld(part, options.weld)
+    if not options.repair:
+        return weld(part, options.weld)
+    return repair(part, options.weld, alike=not any(name for name, _ in (*options.density, *options.material)))
 
 
 def _analysis(part: Part, options: argparse.Namespace) -> Analysis:

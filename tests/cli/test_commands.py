@@ -529,7 +529,9 @@ def test_a_repair_that_was_asked_for_is_not_advised(
     missing = str(path("broken/missing_face.stl"))
     assert "or --repair" in sentence(capsys, 4, "analyse", missing)
     left = inertia.repair(inertia.read(path("cube.stl")))
-    monkeypatch.setattr("inertia.mass.repair.repair", lambda part, *_: replace(left, part=part))  # the hole stays
+    monkeypatch.setattr(
+        "inertia.mass.repair.repair", lambda part, *_, **_named: replace(left, part=part)
+    )  # the hole stays
     said = sentence(capsys, 4, "analyse", missing, "--repair")
     assert "--repair" not in said
     assert said.endswith("or use --shell THICKNESS; the repair that was asked for leaves this\n")

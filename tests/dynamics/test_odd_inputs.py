@@ -80,7 +80,8 @@ def test_advice_on_nearly_symmetric_bodies_that_roll_helps() -> None:
     ("load", "says"),
     [
         ({"kind": "gravity_gradient", "mu": 1.0, "position": [0, 0, 0]}, r"load\[1\].position is zero"),
-        ({"kind": "torque", "torque": lambda *_: [1.0, 2.0]}, r"load\[1\].torque: the function returned \[1. 2.\]"),
+        ({"kind": "torque", "torque": lambda *_: [1.0, 2.0]}, r"load\[1\].torque: the function returned \[1.0, 2.0\]"),
+        ({"kind": "torque", "torque": lambda *_: "none"}, r"load\[1\].torque: the function returned 'none'"),
         ({"kind": "torque", "table": [[0, 1, 2, 3], [1, 1, 2, 3]]}, r"load\[1\].table covers 0 … 1 s"),
         ({"kind": "torque", "table": "absent.csv"}, r"load\[1\].table: absent.csv: the torque table cannot be read"),
     ],

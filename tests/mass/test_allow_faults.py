@@ -179,6 +179,18 @@ def test_bodies_of_several_densities() -> None:
     assert [share.density for share in analysis.shares] == [1.0, 3.0]
 
 
+def test_a_body_that_regions_of_several_densities_claim_has_no_answer(tmp_path, capsys) -> None:
+    vertices, faces = cube()
+    lines = [f"v {x} {y} {z}" for x, y, z in vertices.tolist()]
+    for name in "ab":
+        lines += [f"o {name}", *("f {} {} {}".format(*face) for face in (faces + 1).tolist())]
+    (file := tmp_path / "twice.obj").write_text("\n".join(lines))
+    for option in (["--repair"], ["--allow-faults", "1%"]):
+        assert main(["analyse", str(file), "--unit", "m", "--material", "a=steel", "--density", "b=1000", *option]) == 4
+        assert main(["analyse", str(file), "--unit", "m", "--density", "2", *option]) == 0
+        assert "Mass              2 kg" in capsys.readouterr().out
+
+
 def test_with_repair_the_fillings_are_in_the_bounds() -> None:
     mesh, truth = solid("fine sphere")
     part = Part.from_arrays(*triangles_missing(mesh, np.random.default_rng(5)))

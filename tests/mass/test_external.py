@@ -136,7 +136,7 @@ def test_a_remedy_that_takes_the_whole_part_is_said_to(fault: str, remedies: str
 def test_memory_that_is_enough_for_a_repair_is_enough_for_what_follows(monkeypatch: pytest.MonkeyPatch) -> None:
     repair, repaired = inertia.repair, []
 
-    def repairing(part: Part, *_: object) -> Any:
+    def repairing(part: Part, *_: object, **_named: object) -> Any:
         repaired.append(part)
         return repair(part)
 

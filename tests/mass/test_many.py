@@ -145,11 +145,18 @@ def test_no_mesh_at_all_is_an_empty_answer() -> None:
         ((None, [[0, 0, 0]]), "vertices must be arrays, one of each mesh, not None"),
         (([[[0, 0, 0]]], None), "faces must be arrays, one of each mesh, not None"),
         (([[[0, 0, 0]]], [[0, 0.5, 0]]), "faces hold 0.5, which is no number of a vertex"),
+        (([[[0, 0, 0]]], np.array([[0, 0, 0]], object)), "faces must be an array of whole numbers"),
     ],
 )
 def test_what_cannot_be_meant_is_said(arguments: tuple[object, ...], said: str) -> None:
     with pytest.raises(UsageError, match=said):
         inertia.many(*arguments)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("kind", [bool, complex])
+def test_vertices_that_are_no_real_numbers_are_refused(kind: type) -> None:
+    answer = inertia.many([np.eye(4, 3, -1).astype(kind)], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    assert answer.refusals == {0: "vertices must be an array of real numbers, (n, 3)"}
 
 
 def test_rows_of_what_is_not_simple_are_not_read() -> None:

@@ -1,7 +1,11 @@
 """What `orientation="absolute"` answers, and that no refusal under it asks for it, over nested and touching solids."""
 
+import math
+from pathlib import Path
+
 import numpy as np
 import pytest
+from tests.mesh.readers.step_sample import step_of_several, step_sphere
 from tests.mesh.solids import Mesh, box, cube, inside_out, joined, sphere
 
 import inertia
@@ -115,3 +119,16 @@ def test_verdict_on_solids_that_touch_does_not_depend_on_their_order(solids: lis
                 inertia.analyse(part)
         else:
             assert inertia.analyse(part).properties.volume == pytest.approx(volume, rel=1e-13)
+
+
+def test_a_solid_in_another_becomes_its_cavity_by_the_triangles_of_its_true_shape(tmp_path: Path) -> None:
+    pytest.importorskip("OCP")
+    (tmp_path / "ball.step").write_text(step_of_several(step_sphere(9.0), step_sphere(3.0)))
+    part = inertia.read(tmp_path / "ball.step")
+    analysis = inertia.analyse(part, orientation="absolute")
+    truth = 4 / 3 * math.pi * (0.009**3 - 0.003**3)
+    assert analysis.tessellation is not None
+    assert abs(analysis.properties.volume / truth - 1) <= analysis.tessellation.volume
+    assert "an absolute orientation makes cavities of triangles alone" in analysis.notes[-1]
+    with pytest.raises(GeometryError, match="of triangles alone: use tessellated=True for its triangles"):
+        inertia.analyse(part, orientation="absolute", accuracy=1e-9)

@@ -52,6 +52,13 @@ def test_regions_that_touch_have_their_densities() -> None:
     assert inertia.mass_properties(part, {"a": 1.0, "b": 2.0}, union=True).mass == 10.0
 
 
+def test_a_region_with_a_density_is_closed_by_itself() -> None:
+    part = regions(((0, 0, 0), (2, 2, 2)))
+    part = replace(part, regions=Regions(("a", "b"), np.repeat([0, 1], [6, 6]).astype(np.int32)))
+    with pytest.raises(inertia.GeometryError, match=r"^region 'a' .* is not closed .* one density for the part$"):
+        inertia.mass_properties(part, {"a": 1.0, "b": 2.0}, union=True)
+
+
 def test_bodies_with_densities_by_number_are_not_united() -> None:
     part = solids.part(joined(box((0, 0, 0), (2, 2, 2)), box((1, 1, 1), (3, 3, 3))))
     with pytest.raises(

@@ -149,7 +149,7 @@ FILLED = {
 @pytest.mark.parametrize("single", [False, True])
 @pytest.mark.parametrize("name", FILLED)
 def test_what_fills_a_pocket_lies_beside_what_it_fills(name: str, single: bool) -> None:
-    for seed in range(12):
+    for seed in range(6):
         rng = np.random.default_rng(seed)
         solids = [voxels(cells, rng) for cells in FILLED[name]]
         answered(solids, placed(solids, rng, single=single), single=single)

@@ -64,7 +64,11 @@ def test_regions_are_attributes_of_the_faces(tmp_path: Path) -> None:
 
 
 def test_neither_side_sees_what_the_other_changes_later() -> None:
-    part = Part.from_arrays(CORNERS, TRIANGLES)
+    corners, triangles = np.array(CORNERS, float), np.array(TRIANGLES, np.int64)
+    part = Part.from_arrays(corners, triangles)
+    corners *= 2
+    triangles[:] = triangles[:, ::-1]
+    assert np.array_equal(part.geometry.faces, TRIANGLES)
     mesh = part.to_trimesh()
     back = Part.from_trimesh(mesh)
     mesh.apply_scale(2.0)

@@ -366,6 +366,20 @@ class TestUnion:
         with pytest.raises(GeometryError, match="regions 'iron' and 'brass' overlap around"):
             repair(replace(original, regions=Regions(("iron", "brass"), np.repeat(np.int32([0, 1]), 12))))
 
+    @pytest.mark.parametrize("order", [[0, 1], [1, 0], [-1, 1]])
+    def test_copies_of_different_regions_are_refused_unless_these_are_alike(self, order):
+        regions = Regions(("iron", "brass"), np.repeat(np.int32(order), 12))
+        original = replace(part(cube(), cube()), regions=regions)
+        with pytest.raises(
+            GeometryError, match=r"triangles 12, .* another region.*'(iron|brass)'.* not known: leave one"
+        ):
+            repair(original)
+        assert volume(repair(original, alike=True).part) == 1
+
+    def test_bodies_of_regions_that_are_alike_are_united(self):
+        regions = Regions(("iron", "brass"), np.repeat(np.int32([0, 1]), 12))
+        assert volume(repair(replace(part(cube(), cube(0.5)), regions=regions), alike=True).part) == 1.5
+
     def test_a_union_is_of_the_region_of_its_bodies(self):
         original = part(cube(5), cube(), cube(0.5, 0.5, 0.5))
         repaired = repair(replace(original, regions=Regions(("iron", "brass"), np.repeat(np.int32([0, 1]), [12, 24]))))
@@ -391,7 +405,7 @@ class TestReport:
 
     def test_regions_follow_their_triangles(self):
         corners = cube()
-        index = np.array([0] * 6 + [1] * 7, np.int32)
+        index = np.array([0] * 6 + [1] * 6 + [0], np.int32)
         original = replace(part(corners, corners[:1]), regions=Regions(("a", "b"), index))
         assert repair(original).part.regions.index.tolist() == [0] * 6 + [1] * 6
 

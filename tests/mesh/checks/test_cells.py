@@ -87,7 +87,7 @@ def test_bodies_are_numbered_as_they_appear_and_wires_have_none() -> None:
 
 def test_a_mesh_of_wires_has_no_body() -> None:
     report = checked(cells(np.eye(3), line=[[0, 1], [1, 2]]))
-    assert (report.bodies, report.fit) == (0, True)
+    assert (report.bodies, report.closed, report.faults()[0].code) == (0, False, "zero_volume")
 
 
 def test_cells_that_touch_at_an_edge_are_apart() -> None:

@@ -63,6 +63,36 @@ def test_sets_may_be_ranges(rows: str, regions: list[str], tmp_path: Path) -> No
         assert read_text(tmp_path, text).regions is None
 
 
+TWO_TABLES = "*ELEMENT, TYPE=C3D4, ELSET=One\n1,1,2,3,4\n2,2,3,4,5\n*ELEMENT, TYPE=C3D4, ELSET=Two\n3,1,2,3,5\n"
+
+
+@pytest.mark.parametrize(
+    ("sets", "regions", "left"),
+    [
+        ("*ELSET, ELSET=Both\nOne, Two\n", ["One", "One", "Two"], "'Both'"),
+        ("*ELSET, ELSET=Both\nOne\nTWO\n", ["One", "One", "Two"], "'Both'"),
+        ("*ELSET, ELSET=Steel\nOne\n", ["Steel", "Steel", "Two"], "'One'"),
+        ("*ELSET, ELSET=Most\n2, Two\n*ELSET, ELSET=Few\nMost\n", ["One", "Few", "Two"], "'Most'"),
+        ("*ELSET, ELSET=Few\nMost\n*ELSET, ELSET=Most\n2, Two, Few\n", ["One", "Most", "Two"], "'Few'"),
+    ],
+)
+def test_a_set_holds_elements_and_other_sets(sets: str, regions: list[str], left: str, tmp_path: Path) -> None:
+    part = read_text(tmp_path, NODES + TWO_TABLES + sets)
+    assert regions_of(part) == regions
+    assert part.notes[-1].endswith(f"counted to the smallest, which leaves none to {left}")
+
+
+def test_a_set_of_what_is_no_set_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ReadError, match="its set 'BOTH' lists 'Three', which is no set"):
+        read_text(tmp_path, NODES + TWO_TABLES + "*ELSET, ELSET=Both\nOne, Three\n")
+
+
+@pytest.mark.parametrize(("name", "second"), [("STEEL", "Steel"), ("s teel", "Steel"), ('"steel"', '"steel"')])
+def test_case_and_blanks_count_in_quoted_labels_alone(name: str, second: str, tmp_path: Path) -> None:
+    tables = f"*ELEMENT, TYPE=C3D4, ELSET=Steel\n1,1,2,3,4\n*ELEMENT, TYPE=C3D4, ELSET={name}\n2,2,3,4,5\n"
+    assert regions_of(read_text(tmp_path, NODES + tables)) == ["Steel", second]
+
+
 @pytest.mark.parametrize(
     ("kind", "nodes", "text", "volume"),
     [

@@ -278,9 +278,16 @@ def test_third_order_elements_of_gmsh_are_refused_by_number(tmp_path: Path) -> N
 # Regions
 
 
+NOTE_OF_GROUPS = "cells in several groups at once are regions of their own, which need a density of their own: "
+
+
 def test_gmsh_physical_groups_are_regions_where_only_some_are_named(tmp_path: Path) -> None:
     text = GMSH_41.replace("1 1 1 0 0\n$EndEntities", "1 1 1 2 9 7 0\n$EndEntities")
-    assert names_of(read_text(tmp_path, "two.msh", text)) == ["steel", "9"]
+    part = read_text(tmp_path, "two.msh", text)
+    assert names_of(part) == ["steel", "steel+9"]
+    assert part.notes == (NOTE_OF_GROUPS + "'steel+9'",)
+    both = text.replace("1 1 1 1 7 0\n", "1 1 1 2 -7 9 0\n")
+    assert names_of(read_text(tmp_path, "two.msh", both)) == ["steel+9", "steel+9"]
 
 
 def test_families_of_med_are_regions(tmp_path: Path) -> None:
@@ -288,7 +295,9 @@ def test_families_of_med_are_regions(tmp_path: Path) -> None:
     mesh = meshio.Mesh(TETRA_POINTS, [("tetra", TETRA)], cell_data={"cell_tags": [np.array([-6, -7])]})
     mesh.point_tags = {}
     mesh.cell_tags = {-6: ["steel"], -7: ["brass", "outer"]}
-    assert names_of(written(tmp_path, "two.med", mesh)) == ["steel", "brass+outer"]
+    part = written(tmp_path, "two.med", mesh)
+    assert names_of(part) == ["steel", "brass+outer"]
+    assert part.notes == (NOTE_OF_GROUPS + "'brass+outer'",)
     mesh.cell_tags = {-6: ["steel"], -7: ["steel"]}
     part = written(tmp_path, "two.med", mesh)
     assert part.regions is not None

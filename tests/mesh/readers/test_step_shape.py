@@ -233,6 +233,16 @@ def test_solids_that_the_kernel_passes_over_are_noted(kind: str, entities: list[
         inertia.read(tmp_path / "part.step")
 
 
+def test_what_a_file_hides_is_counted_and_noted(tmp_path: Path) -> None:
+    text = with_entities(
+        step_solid(CORNERS, QUADS.tolist(), "Box"), "STYLED_ITEM('',(),#9002)", "INVISIBILITY((#9001))"
+    )
+    (tmp_path / "part.step").write_text(text)
+    part = inertia.read(tmp_path / "part.step")
+    assert "1 item marked as hidden (INVISIBILITY) was counted where solid" in part.notes
+    assert part.triangles.count == 12
+
+
 def test_tessellated_shapes_are_refused_and_end_no_process(tmp_path: Path) -> None:
     entities = (
         "COORDINATES_LIST('',4,((0.,0.,0.),(1.,0.,0.),(0.,1.,0.),(0.,0.,1.)))",

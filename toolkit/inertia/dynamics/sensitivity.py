@@ -40,7 +40,8 @@ _THINNEST = 1e-12  # of the largest moment: next to one that is less, a change i
 class Sensitivity:
     """How the attitude at the end of a run turns with what the run starts from: ∂θ/∂p.
 
-    θ is the small rotation vector, rad in space, by which the final attitude turns: exp(θ×) R(T).
+    θ is the small rotation vector, rad in space, by which the final attitude turns: exp(θ×) R(T). Matrices have ∂θᵢ/∂pⱼ
+    in row i and column j.
 
     Attributes
     ----------
@@ -103,7 +104,7 @@ def sensitivity(run: Run | Scene) -> Sensitivity:
 
     >>> scene = Scene.from_dict({"body": {"principal_moments": [2, 2, 2]},
     ...                          "start": {"angular_velocity": [0, 0, 3]}, "run": {"duration": 10}})
-    >>> sensitivity(scene).angular_velocity[2].round(6).tolist()      # a sphere turns by ω T
+    >>> sensitivity(scene).angular_velocity[:, 2].round(6).tolist()      # a sphere turns by ω T
     [0.0, 0.0, 10.0]
     """
     scene = run.scene if isinstance(run, Run) else run

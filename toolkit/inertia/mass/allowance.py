@@ -26,14 +26,14 @@ _ALLOW = " gives an answer whose bound covers the faults"
 _BOUNDLESS = "; what its faults leave open cannot be bounded"
 
 
-def allowing(part: Part, parts: Parts, answer: Callable[..., Analysis], allowed: float) -> Analysis:
-    """Answer for a part whose faults may leave no more open than is allowed."""
+def allowing(part: Part, parts: Parts, answer: Callable[..., Analysis], allowed: float, *, alike: bool) -> Analysis:
+    """Answer for a part whose faults may leave no more open than is allowed; `alike` as of `inertia.repair`."""
     from inertia.mass.faults import left_open, too_wide, widths
 
     try:
         analysis = answer(part, parts, left_open(part))
     except GeometryError as fault:
-        analysis = _mended(part, parts, answer, fault, allowed)
+        analysis = _mended(part, parts, answer, fault, allowed, alike)
         analysis = replace(analysis, refusal=fault)
     size = float(np.ptp(analysis.extents, axis=0).max())
     error = analysis.properties.error
@@ -43,14 +43,14 @@ def allowing(part: Part, parts: Parts, answer: Callable[..., Analysis], allowed:
 
 
 def _mended(
-    part: Part, parts: Parts, answer: Callable[..., Analysis], fault: GeometryError, allowed: float
+    part: Part, parts: Parts, answer: Callable[..., Analysis], fault: GeometryError, allowed: float, alike: bool
 ) -> Analysis:
     """Answer for a part that is refused as it is, its faults mended and what they leave open in the bounds."""
     from inertia.mass.faults import mended, nested, room, united
 
     part = part if part.shape is None else replace(part, shape=None)
     try:
-        mend = mended(part)
+        mend = mended(part, alike=alike)
         if mend.part is not part:
             with suppress(GeometryError):
                 return answer(mend.part, parts, mend.doubts)
@@ -63,8 +63,10 @@ def _mended(
         raise reworded(fault, (*fault.words, _BOUNDLESS), fault.places) from None
 
 
-def with_allowance(part: Part, parts: Parts, answer: Callable[..., Analysis], fault: GeometryError) -> GeometryError:
-    """Return a refusal with what would have to be allowed for an answer, if there is one."""
+def with_allowance(
+    part: Part, parts: Parts, answer: Callable[..., Analysis], fault: GeometryError, *, alike: bool
+) -> GeometryError:
+    """Return a refusal with what would have to be allowed for an answer, if there is one; `alike` as above."""
     part = part if part.shape is None else replace(part, shape=None)
     if fault.code != "inverted_body" and not any(remedy in _MENDABLE for remedy in fault.remedies):
         return fault
@@ -73,7 +75,7 @@ def with_allowance(part: Part, parts: Parts, answer: Callable[..., Analysis], fa
         from inertia.mass.faults import allowance, widths
 
         try:
-            analysis = _mended(part, parts, answer, fault, 1.0)
+            analysis = _mended(part, parts, answer, fault, 1.0, alike)
         except GeometryError:
             return fault
         size = float(np.ptp(analysis.extents, axis=0).max())

@@ -199,7 +199,9 @@ def analyse(
     """
     require_kind(part, Part, "part", "inertia.read(path)")
     stated = densities(density, material, mass)
-    _require_accuracy(accuracy)
+    cells = isinstance(part.geometry, Cells)
+    exact = not cells and wire is None and shell is None and (tessellated or part.shape is None)
+    _require_accuracy(accuracy, exact=exact)
     if class_tolerance is not None and not 0 <= class_tolerance < 1:
         raise UsageError(f"the class tolerance is {class_tolerance!r}: it must be at least 0 and below 1")
     point = None if about is None else exact_point(about, "about")
@@ -211,7 +213,7 @@ def analyse(
         raise UsageError("both separate bodies and their union are asked for: give one")
     if shell is not None and wire is not None:
         raise UsageError("both a shell and a wire are asked for: give one")
-    if accuracy == "exact" and (wire is not None or isinstance(part.geometry, Cells)):
+    if accuracy == "exact" and (wire is not None or cells):
         raise UsageError("exact arithmetic is for triangle surfaces: give a relative accuracy for cells and wires")
 
     if chord is not None and (shell is not None or wire is not None or isinstance(part.geometry, Cells)):
@@ -294,8 +296,8 @@ def analyse(
         try:
             return answer(part, parts)
         except GeometryError as fault:
-            raise with_allowance(part, parts, answer, fault) from None
-    return allowing(part, parts, answer, allow_faults)
+            raise with_allowance(part, parts, answer, fault, alike=not stated.named) from None
+    return allowing(part, parts, answer, allow_faults, alike=not stated.named)
 
 
 def _coarse(part: Part, extents: Float) -> tuple[str, ...]:
@@ -558,15 +560,16 @@ def _rounded(part: Part, integral: Integral) -> str:
     )
 
 
-def _require_accuracy(accuracy: Accuracy) -> None:
+def _require_accuracy(accuracy: Accuracy, *, exact: bool) -> None:
+    """Raise `UsageError` for what is no accuracy; `exact` says whether there is an exact answer to ask for."""
     if accuracy is None or accuracy == "exact":
         return
     if not isinstance(accuracy, Real) or not 0 < accuracy < math.inf:
         raise UsageError(f"accuracy is {accuracy!r}: give a positive relative figure such as 1e-12, or 'exact'")
     if accuracy < FINEST:
         raise UsageError(
-            f"accuracy is {accuracy:g}, finer than results in float64 can be, {FINEST:g}: ask for 'exact', which "
-            "rounds each number once"
+            f"accuracy is {accuracy:g}, finer than results in float64 can be, {FINEST:g}: "
+            + ("ask for 'exact', which rounds each number once" if exact else "give a larger figure")
         )
 
 

@@ -51,9 +51,9 @@ def require_allowance(allow_faults: float) -> None:
         )
 
 
-def mended(part: Part) -> Mended:
-    """Close and turn the surface of a part; raise as `inertia.repair` where that cannot be done."""
-    repaired = repair(part, unite=False, bounded=True).part
+def mended(part: Part, *, alike: bool) -> Mended:
+    """Close and turn the surface of a part; parameters and errors as of `inertia.repair`."""
+    repaired = repair(part, unite=False, bounded=True, alike=alike).part
     return Mended(repaired, left_open(repaired))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from difflib import get_close_matches
@@ -34,7 +34,6 @@ from inertia.records import dataclass
 _SMALL = 20_000  # triangles; in a larger surface, pairing the edges by themselves costs next to nothing
 MOSTLY = 0.5  # of a surface: what is more is checked as a whole
 
-_WIRE = Remedy("analyse", "wire", "AREA")
 _ANY_WIRE = Remedy("analyse", "wire")
 
 _CELL_METHODS: dict[Literal["float64", "double-double"], str] = {
@@ -379,13 +378,13 @@ def _solid_groups(
 
     bodies = {str(body.number + 1): body.shells for body in bodies_of(pieces)} or {"1": ()}
     refuse_unknown(named, bodies, part.regions)
-    if part.regions is not None and set(named) <= set(part.regions.names):
+    if part.regions is not None and (regions := sorted(set(named) & set(part.regions.names))):
+        if numbers := sorted(set(named) - set(regions)):
+            raise UsageError(
+                f"densities are given for regions ({regions[0]!r}) and for bodies by number ({numbers[0]!r}), which "
+                f"may share volume: name regions only (it has {_listed(part.regions.names)}), or bodies only"
+            )
         return _region_groups(part, part.regions, integrate)
-    if regions := sorted(set(named) - set(bodies)):
-        raise UsageError(
-            f"densities are given for regions ({regions[0]!r}) and for bodies by number, which may share volume: "
-            "name regions only, or bodies only"
-        )
     if not pieces:
         return (Group("1", whole),)
     owner = np.full(topology.components + 1, -1)  # the last one is that of triangles in no shell
@@ -407,11 +406,7 @@ def _region_groups(part: Part, regions: Regions, integrate: Callable[[Triangles]
         surface = part.triangles.select(members)
         if surface.count == 0:
             continue
-        if (edges := closure(surface).open_edges) != 0:
-            raise GeometryError(
-                f"region {name!r} of {part.name} is not closed by itself: {edges} of its edges have no partner, "
-                "so it has no volume of its own to give a density; close it, or give one density for the part"
-            )
+        require_closed(part, name, surface)
         moments = integrate(surface)
         if moments.zeroth < -moments.zeroth_bound:
             raise GeometryError(
@@ -421,6 +416,15 @@ def _region_groups(part: Part, regions: Regions, integrate: Callable[[Triangles]
             )
         groups.append(Group(name, moments, members))
     return tuple(groups)
+
+
+def require_closed(part: Part, region: str, surface: Triangles) -> None:
+    """Raise `GeometryError` where the triangles of a region with a density of its own are open."""
+    if (edges := closure(surface).open_edges) != 0:
+        raise GeometryError(
+            f"region {region!r} of {part.name} is not closed by itself: {edges} of its edges have no partner, "
+            "so it has no volume of its own to give a density; close it, or give one density for the part"
+        )
 
 
 def _shell_groups(
@@ -448,8 +452,6 @@ def cell_integrals(
 
     cells = part.geometry
     assert isinstance(cells, Cells)
-    if all(block.kind in ("line", "line3", "vertex") for block in cells.blocks):
-        raise GeometryError(f"{part.name} holds lines or points only, which have no volume: use ", _WIRE, " for lines")
     report = _check(part, intersections)
     report.require_fit()
     regions = part.regions
@@ -488,8 +490,10 @@ def wire_integrals(part: Part, named: Collection[str], progress: Progress | None
 
     cells = part.geometry
     if not isinstance(cells, Cells) or not any(block.kind.startswith("line") for block in cells.blocks):
-        beside = "" if isinstance(cells, Cells) else " (lines beside faces are not read)"
-        raise GeometryError(f"{part.name} holds no lines for a wire{beside}: leave ", _ANY_WIRE, " out, or use ", SHELL)
+        if isinstance(cells, Cells):
+            raise GeometryError(f"{part.name} holds no lines for a wire: leave ", _ANY_WIRE, " out")
+        without = f"{part.name} holds no lines for a wire (lines beside faces are not read): leave "
+        raise GeometryError(without, _ANY_WIRE, " out, or use ", SHELL)
     regions = part.regions
     if named:  # where the file names no region, the whole is body 1, as one body of triangles is
         refuse_unknown(named, ["1"] if regions is None else [], regions)
@@ -551,6 +555,10 @@ def _extents(cells: Cells) -> Float:
     return np.array([points.min(axis=0), points.max(axis=0)])
 
 
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(map(repr, names[:12]))
+
+
 def refuse_unknown(named: Iterable[str], known: Iterable[str], regions: Regions | None = None) -> None:
     """Refuse names that are neither known nor those of regions."""
     names = [*known, *(regions.names if regions is not None else ())]
@@ -558,7 +566,7 @@ def refuse_unknown(named: Iterable[str], known: Iterable[str], regions: Regions 
         if key not in names:
             close = get_close_matches(key, names, n=1)
             hint = f" (did you mean {close[0]!r}?)" if close else ""
-            there = f"it has {', '.join(map(repr, names[:12]))}" if names else "it names none"
+            there = f"it has {_listed(names)}" if names else "it names none"
             raise UsageError(f"the part has no region or body called {key!r}{hint}: {there}", code="unknown_region")
 
 

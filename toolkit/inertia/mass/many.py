@@ -177,7 +177,7 @@ def _shared(faces: Any) -> Int | None:
         array = np.asarray(faces)
     except ValueError:
         return None  # of several lengths
-    return indices(array) if array.ndim == 2 and array.dtype.kind in "fiu" else None
+    return indices(array) if array.ndim == 2 else None
 
 
 def _weights(density: ArrayLike, count: int) -> Float:
@@ -216,7 +216,7 @@ def _stacked(points: Sequence[Any], corners: Sequence[Any], shared: Int | None) 
 def _as(array: Any, kind: Any) -> Any:
     try:
         rows = np.asarray(array)
-        if rows.ndim == 2 and rows.shape[1] == 3 and (kind is np.float64 or rows.dtype.kind in "iu"):
+        if rows.ndim == 2 and rows.shape[1] == 3 and rows.dtype.kind in ("fiu" if kind is np.float64 else "iu"):
             return rows.astype(kind, copy=False)
     except (TypeError, ValueError):
         pass

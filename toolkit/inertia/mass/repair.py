@@ -65,24 +65,25 @@ class Repaired:
         return html_of(rows)
 
 
-def repair(part: Part, tolerance: float | None = None) -> Repaired:
+def repair(part: Part, tolerance: float | None = None, *, alike: bool = False) -> Repaired:
     """Repair the surface of a part (see `inertia.mesh.repair` for the steps) and measure the effect.
 
     Parameters
     ----------
     tolerance : vertices within this distance of each other, in the part's unit, become one; without it only
         those at cracks of at most 1e-6 of the part's size
+    alike : whether all regions are of one density, so that it does not matter which of them has what several claim
 
     Raises
     ------
-    GeometryError : the surface cannot be closed
+    GeometryError : the surface cannot be closed, or regions claim the same place
     UsageError : the tolerance is not usable
 
     >>> part = Part.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3]])
     >>> [str(change) for change in repair(part).changes]
     ['holes filled: 1 (of 3 edges around (0, 0.333333333, 0.333333333))']
     """
-    return _with_effect(part, mesh_repair.repair(part, tolerance=tolerance))
+    return _with_effect(part, mesh_repair.repair(part, tolerance=tolerance, alike=alike))
 
 
 def weld(part: Part, tolerance: float) -> Repaired:

@@ -10,6 +10,7 @@ from inertia.arrays import Progress
 from inertia.errors import GeometryError, placed
 from inertia.estimate import uncertainty_of
 from inertia.mass.density import Densities
+from inertia.mass.integration import require_closed
 from inertia.mesh.part import Part, Regions, Rounding
 from inertia.mesh.surface import Surface
 from inertia.mesh.unite import Union, unite
@@ -55,10 +56,12 @@ def _regions_united(part: Part, regions: Regions) -> Union:
             own = replace(own, chord=part.chord[which])
         if part.rounding is not None:
             own = replace(own, rounding=Rounding(part.rounding.distance))
+        name = regions.names[number] if number >= 0 else ""
+        require_closed(part, name, own.triangles)
         try:
             unions.append(unite(own))
         except GeometryError as fault:
-            raise placed(fault, f"region {regions.names[number] if number >= 0 else ''!r}") from None
+            raise placed(fault, f"region {name!r}") from None
         origins.append(which if unions[-1].origins is None else which[unions[-1].origins])
     whole = unite(part)
     more, negative = (sum(getattr(union, name) for union in unions) for name in ("more_than_once", "negative"))

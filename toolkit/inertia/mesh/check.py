@@ -140,7 +140,7 @@ def _check_cells(part: Part, mesh: CellTopology, intersections: bool | None) -> 
         source=part.source,
         triangles=mesh.cells.count,
         vertices=int(np.count_nonzero(np.bincount(mesh.merged[mesh.used]))),
-        closed=True,
+        closed=int(mesh.bodies.max()) >= 0,
         consistent=True,
         outward=None,
         bodies=int(mesh.bodies.max()) + 1,

@@ -156,14 +156,16 @@ class Part:
 
     @classmethod
     def from_arrays(cls, vertices: ArrayLike, faces: ArrayLike, unit: str = "m") -> Part:
-        """Make a part from a triangle mesh in memory, `vertices` (n, 3) in `unit` and `faces` (m, 3).
+        """Make a part from a triangle mesh in memory, `vertices` (n, 3) in `unit` and `faces` (m, 3), which are copied.
 
         >>> part = Part.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
         ...                         [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]], unit="mm")
         >>> part.triangles.count
         4
         """
-        return cls(Surface(vertices, faces), length_unit(unit), "option")
+        surface = Surface(vertices, faces)
+        surface.vertices, surface.faces = np.array(surface.vertices), np.array(surface.faces)
+        return cls(surface, length_unit(unit), "option")
 
     @classmethod
     def from_trimesh(cls, mesh: Any, unit: str | None = None) -> Part:

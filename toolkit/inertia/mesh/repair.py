@@ -20,6 +20,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from inertia.arrays import Float, Int
 from inertia.errors import UNION, GeometryError, placed
@@ -122,7 +123,9 @@ class _Mesh:
 _Step = tuple[_Mesh, list[Change]]
 
 
-def repair(part: Part, *, tolerance: float | None = None, unite: bool = True, bounded: bool = False) -> Repair:
+def repair(
+    part: Part, *, tolerance: float | None = None, unite: bool = True, bounded: bool = False, alike: bool = False
+) -> Repair:
     """Repair the surface of a part, and say what was changed.
 
     Parameters
@@ -136,7 +139,7 @@ def repair(part: Part, *, tolerance: float | None = None, unite: bool = True, bo
     Raises
     ------
     GeometryError : the surface cannot be closed (an open sheet, a one-sided surface, a hole too large),
-        overlapping bodies are of different regions, or a coordinate is not finite
+        overlapping bodies or copies of triangles are of different regions, or a coordinate is not finite
     UsageError : the tolerance is not usable
 
     >>> part = Part.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
@@ -147,7 +150,7 @@ def repair(part: Part, *, tolerance: float | None = None, unite: bool = True, bo
     """
     triangles = part.triangles
     try:
-        mesh, changes = _repaired(triangles, part.regions, tolerance, unite, bounded)
+        mesh, changes = _repaired(triangles, None if alike else part.regions, tolerance, unite, bounded)
     except GeometryError as fault:
         raise placed(fault, f"{part.name} cannot be repaired") from None
     result = _rebuilt(part, Surface(*compact(mesh.vertices, mesh.faces)), mesh.origin, changes, mesh.filling)
@@ -211,7 +214,7 @@ def _repaired(
         lambda mesh: _without(mesh, _repeating(mesh.faces), "triangles with a repeated corner removed"),
         _without_cracks if tolerance is None else lambda mesh: _welded(mesh, tolerance),
         _without_wide_cracks if bounded else lambda mesh: (mesh, []),
-        lambda mesh: _without(mesh, copies(mesh.faces), "copies of triangles removed"),
+        lambda mesh: _without_copies(mesh, regions),
         _without_doubles_and_fins,
         _wound_alike,
         _without_sheets if bounded else lambda mesh: (mesh, []),
@@ -247,10 +250,29 @@ def _joined(triangles: Triangles) -> _Step:
     return mesh, [Change("vertices with equal coordinates joined", count, mesh.at(joined))]
 
 
+def _called(regions: Regions, numbers: NDArray[np.int32]) -> str:
+    return " and ".join(repr(regions.names[k]) if k >= 0 else "none" for k in numbers)
+
+
 def _without(mesh: _Mesh, which: Int, what: str) -> _Step:
     if len(which) == 0:
         return mesh, []
     return mesh.without(which), [Change(what, len(which), mesh.at(which))]
+
+
+def _without_copies(mesh: _Mesh, regions: Regions | None) -> _Step:
+    pairs = copies(mesh.faces)
+    if regions is not None:
+        claims = regions.index[mesh.origin[pairs]]
+        contested = claims[:, 0] != claims[:, 1]
+        if contested.any():
+            names = _called(regions, claims[np.argmax(contested)])
+            raise GeometryError(
+                f"{mesh.at(pairs[contested, 1])} repeat others of another region, the first of the regions {names}, "
+                "and which of them is to have that place is not known: leave one of them out, or give one density for "
+                "the part"
+            )
+    return _without(mesh, np.unique(pairs[:, 1]), "copies of triangles removed")
 
 
 def _repeating(faces: Int) -> Int:
@@ -410,10 +432,10 @@ def _united(mesh: _Mesh, regions: Regions | None) -> _Step:
     for group in groups:
         sources = mesh.origin[np.concatenate(group)]
         if regions is not None and len(several := np.unique(regions.index[sources])) > 1:
-            names = " and ".join(repr(regions.names[k]) for k in several)
+            names = _called(regions, several)
             raise GeometryError(
                 f"bodies of the regions {names} overlap {where}, and which of them is to have that place is "
-                "not known: cut one out of the other"
+                "not known: cut one out of the other, or give one density for the part"
             )
         union = unite(Part(Surface(mesh.vertices, mesh.faces[np.concatenate(group)]))).part
         own, corners = merge_equal_vertices(union.triangles)

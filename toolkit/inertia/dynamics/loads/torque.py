@@ -63,7 +63,7 @@ class TorqueTable:
         if times[0] == times[-1]:
             raise UsageError(f"the torque table holds one instant, {times[0]:.6g} s: give two or more")
         object.__setattr__(self, "times", np.where(np.abs(times) < SMALLEST, 0.0, times))  # or slopes overflow
-        object.__setattr__(self, "torques", torques)
+        object.__setattr__(self, "torques", np.array(torques))
 
     @property
     def breaks(self) -> Float:
@@ -185,14 +185,19 @@ class Torque(Load):
             value = np.asarray(self.torque)
         if self.frame == "space":
             return quaternion.to_body(attitude, value)
-        return np.broadcast_to(value, np.shape(angular_velocity))
+        shape = np.shape(angular_velocity)
+        return value if shape == value.shape else np.broadcast_to(value, shape)
 
     def of_function(self, time: float, attitude: Float, angular_velocity: Float) -> Float:
         """Return what the function gives; raise `UsageError` where that is not three finite numbers."""
         assert callable(self.torque)
-        value = np.asarray(self.torque(time, attitude, angular_velocity), dtype=np.float64)
+        returned = self.torque(time, attitude, angular_velocity)
+        try:
+            value = np.asarray(returned, dtype=np.float64)
+        except (TypeError, ValueError):
+            value = np.empty(0)
         if value.shape != (3,) or not np.isfinite(value).all():
-            raise UsageError(f"the function returned {value} at t = {time:.6g} s: return three finite numbers")
+            raise UsageError(f"the function returned {returned!r} at t = {time:.6g} s: return three finite numbers")
         return value
 
     def jumps(self, begin: float, end: float, attitude: Float, angular_velocity: Float, probes: int) -> Float:

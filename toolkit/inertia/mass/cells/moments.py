@@ -298,7 +298,7 @@ def _refusal(chunk: Chunk, cell: int, share: float) -> GeometryError:
     if share:
         return GeometryError(
             f"{name} is tangled: its Jacobian determinant has both signs, one reaching {share:.2g} of "
-            "the other; give its nodes in VTK's order, or mesh it again"
+            "the other; give its nodes in the order of the file's format (of arrays, VTK's), or mesh it again"
         )
     return GeometryError(
         f"{name} has no volume: its Jacobian determinant is 0 within rounding; remove it, or mesh it again"

@@ -70,14 +70,17 @@ def shape_integrals(
     for step in (coarsest, *(k for k in (1e-2 * coarsest, _FINEST) if k < coarsest)):
         try:
             solids, alone = _placed(shape, step, shell)
+            agrees = step != coarsest or shell or _agrees(part, triangles, total(solids))
+            if not agrees and triangles.turned is not None:
+                raise GeometryError("an absolute orientation makes cavities of triangles alone")
         except GeometryError as fault:
             if accuracy is not None:
                 raise GeometryError(f"{part.name}: {fault}: use ", TESSELLATED, " for its triangles") from None
             note = f"the triangles were integrated, as the true shape cannot be: {fault}"
             yield from (replace(integral, notes=(*integral.notes, note)) for integral in of_triangles(named, parts))
             return
-        if step == coarsest and not shell:
-            _require_agreement(part, triangles, total(solids))
+        if not agrees:
+            raise _disagreement(part, triangles, total(solids))
         groups = {"1": list(range(len(solids)))}
         if named:
             groups = {key: [k for k, own in enumerate(keys) if own == key] for key in dict.fromkeys(keys)}
@@ -148,18 +151,22 @@ def _moved(moments: Moments, placement: Float) -> Moments:
     return replace(moments, origin=(x, y, z))
 
 
-def _require_agreement(part: Part, triangles: Integral, whole: Moments) -> None:
-    """Refuse a shape whose triangles have another volume than their chord allows."""
+def _agrees(part: Part, triangles: Integral, whole: Moments) -> bool:
+    """Say whether the triangles of a shape have its volume, as far as their chord allows."""
     mesh = total(group.moments for group in triangles.groups)
     between = _COARSE * mesh.zeroth
     if part.chord is not None:
         between = chord_bound(part.triangles, _SLACK * part.chord, mesh.origin).zeroth_bound
     between += sum((Fraction(finding.doubt.volume) for finding in triangles.doubts if finding.doubt), ZERO)
-    if abs(whole.zeroth - mesh.zeroth) > between + whole.zeroth_bound + mesh.zeroth_bound:
-        raise GeometryError(
-            f"{part.name}: the faces of the true shape enclose {float(whole.zeroth):.6g} {part.unit.name}³, and the "
-            f"triangles in their place {float(mesh.zeroth):.6g}, which is farther apart than their chord tolerance "
-            "allows: the file is damaged; export it again, or use ",
-            TESSELLATED,
-            " for the triangles",
-        )
+    return abs(whole.zeroth - mesh.zeroth) <= between + whole.zeroth_bound + mesh.zeroth_bound
+
+
+def _disagreement(part: Part, triangles: Integral, whole: Moments) -> GeometryError:
+    mesh = total(group.moments for group in triangles.groups)
+    return GeometryError(
+        f"{part.name}: the faces of the true shape enclose {float(whole.zeroth):.6g} {part.unit.name}³, and the "
+        f"triangles in their place {float(mesh.zeroth):.6g}, which is farther apart than their chord tolerance "
+        "allows: the file is damaged; export it again, or use ",
+        TESSELLATED,
+        " for the triangles",
+    )

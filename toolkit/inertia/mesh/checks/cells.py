@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Int
+from inertia.errors import Remedy
 from inertia.mesh.checks.findings import Evidence, around, counted, listed, middle
 from inertia.mesh.geometry.cell_maps import TANGLED, Jacobians, jacobians
 from inertia.mesh.geometry.cell_shapes import FLAT_TRIANGLES, KINDS, known_volume_blocks, numbered_blocks
@@ -21,6 +22,8 @@ from inertia.mesh.geometry.faces import components, repeated_corners
 from inertia.mesh.part import Cells
 from inertia.mesh.surface import Surface, usable
 from inertia.records import dataclass
+
+_WIRE = Remedy("analyse", "wire", "AREA")
 
 
 class _Faces(NamedTuple):
@@ -160,6 +163,14 @@ class CellTopology:
         """Find nodes with a coordinate that is no usable number."""
         wrong = self.used[~usable(self.cells.points[self.used]).all(axis=1)]
         return Evidence(len(wrong), figures={"node": wrong[0]}) if len(wrong) else None
+
+    def no_volume_cells(self) -> Evidence | None:
+        """Tell lines and points that stand alone."""
+        kinds = {block.kind for block in self.cells.blocks}
+        if not kinds <= {"line", "line3", "vertex"}:
+            return None
+        advice = () if kinds == {"vertex"} else ("use ", _WIRE, " for lines, or ")
+        return Evidence(self.cells.count, listed(np.arange(self.cells.count)), self._middle(self.used), advice=advice)
 
     def duplicates(self) -> Evidence | None:
         """Find cells that repeat an earlier one."""

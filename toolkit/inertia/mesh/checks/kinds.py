@@ -409,6 +409,12 @@ KINDS = (
         ("export the mesh again",),
     ),
     Kind(
+        "cells", "zero_volume", "error",
+        CellTopology.no_volume_cells,
+        "it holds lines or points only, which have no volume",
+        ("export a solid",),
+    ),
+    Kind(
         "cells", "duplicate_cell", "error",
         CellTopology.duplicates,
         "{count:cell} stored again, the first being cell {first} {around}, so that the volume counts twice",
@@ -430,13 +436,14 @@ KINDS = (
     Kind(
         "maps", "tangled_cell", "error",
         CellTopology.tangled,
-        "{cell} is tangled: its Jacobian determinant has both signs, one reaching {share:.2g} of the other{others}",
-        ("give its nodes in VTK's order, or mesh it again",),
+        "{cell} is tangled: its Jacobian determinant has both signs, one reaching {share:.2g} of the other, {around} "
+        "(cells and nodes count from 0){others}",
+        ("give its nodes in the order of the file's format (of arrays, VTK's), or mesh it again",),
     ),
     Kind(
         "maps", "flat_cell", "error",
         CellTopology.without_volume,
-        "{cell} has no volume: its Jacobian determinant is 0{others}",
+        "{cell} has no volume: its Jacobian determinant is 0, {around} (cells and nodes count from 0){others}",
         ("remove it, or mesh it again",),
     ),
     Kind(

@@ -1,8 +1,9 @@
 """Abaqus input: its nodes, elements and sets of elements, laid out as meshio reads them without loss.
 
-meshio takes a comment within a table for its end, knows few of the names that elements of one layout have, and gives
-the set that a table of elements names to another table. What places or makes nodes by a rule is refused. Source:
-Dassault Systèmes, "Abaqus Keywords Guide", *NODE, *ELEMENT, *ELSET, *INSTANCE, and "Abaqus Elements Guide", index.
+meshio takes a comment within a table for its end, knows few of the names that elements of one layout have, gives the
+set that a table of elements names to another table, and reads no set of elements and other sets. What places or makes
+nodes by a rule is refused. Source: Dassault Systèmes, "Abaqus Keywords Guide", *NODE, *ELEMENT, *ELSET, *INSTANCE,
+"Input Syntax Rules", labels, and "Abaqus Elements Guide", index.
 """
 
 from __future__ import annotations
@@ -49,7 +50,10 @@ def plain_input(data: bytes) -> bytes:
     lines: list[str] = []
     numbers: list[str] = []
     sets: dict[str, list[str]] = {}
+    names: dict[str, str] = {}
     for keyword, options, rows in tables:
+        name = options.get("ELSET", "")
+        names.setdefault(_label(name), name)
         if keyword == "NODE":
             lines += ["*NODE", *_nodes(rows)]
         elif keyword == "ELEMENT":
@@ -57,7 +61,7 @@ def plain_input(data: bytes) -> bytes:
             lines += table
             own = [row.partition(",")[0] for row in table[1:]]
             numbers += own
-            sets.setdefault(options.get("ELSET", ""), []).extend(own)
+            sets.setdefault(_label(name), []).extend(own)
         elif keyword == "INSTANCE" and rows:
             raise ReadError(
                 "its *INSTANCE moves the part, which is not read: export the part by itself", code="not_read"
@@ -66,11 +70,33 @@ def plain_input(data: bytes) -> bytes:
     for keyword, options, rows in tables:
         if keyword == "ELSET":
             own = [each for row in rows for each in (_range(row, known) if "GENERATE" in options else row) if each]
-            sets.setdefault(options.get("ELSET", ""), []).extend(own)
+            sets.setdefault(_label(options.get("ELSET", "")), []).extend(own)
     sets.pop("", None)
-    for name, members in sets.items():
-        lines += [f"*ELSET, ELSET={name}", *members]
+    for label in sets:
+        if members := _members(label, sets):
+            lines += [f"*ELSET, ELSET={names[label]}", *members]
     return "\n".join([*lines, ""]).encode()
+
+
+def _label(name: str) -> str:
+    """Return the label that a name is: upper and lower case and blanks are one, unless it is quoted."""
+    return name if name.startswith('"') else "".join(name.split()).upper()
+
+
+def _members(label: str, sets: dict[str, list[str]]) -> list[str]:
+    """Return the elements of a set, which may be listed by the names of other sets."""
+    members: dict[str, None] = {}
+    waiting, known = [label], {label}
+    while waiting:
+        for field in sets[waiting.pop()]:
+            if field.isdigit():
+                members[whole("a set", field)] = None
+            elif (other := _label(field)) not in sets:
+                raise ReadError(f"its set {shown(label)} lists {shown(field)}, which is no set: export it again")
+            elif other not in known:
+                known.add(other)
+                waiting.append(other)
+    return [*members]
 
 
 def _tables(data: bytes) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:

@@ -7,7 +7,8 @@ flat triangles.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -77,6 +78,17 @@ def dimension_of(kind: str) -> int:
     """Return the dimension of a kind of cell, 3 for a kind that is not known."""
     stem = kind.rstrip("0123456789")
     return 1 if kind == "VTK_LAGRANGE_CURVE" else _DIMENSIONS.get(stem, 3)
+
+
+def with_joint(contents: Contents, joint: Collection[str]) -> Contents:
+    """Return contents with a note of the regions among `joint`, which hold what is in several groups of the file."""
+    regions = contents.regions
+    named = [name for name in (() if regions is None else regions.names) if name in joint]
+    if not named:
+        return contents
+    first = shown(named[0], 80) + (f" and {len(named) - 1} more" if len(named) > 1 else "")
+    note = f"cells in several groups at once are regions of their own, which need a density of their own: {first}"
+    return replace(contents, notes=(*contents.notes, note))
 
 
 def _points(points: NDArray[Any]) -> Float:

@@ -16,7 +16,7 @@ import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.errors import ReadError
-from inertia.mesh.readers.cells import Block, cell_contents, dimension_of
+from inertia.mesh.readers.cells import Block, cell_contents, dimension_of, with_joint
 from inertia.mesh.readers.contents import UNNAMED, Contents, shown
 from inertia.mesh.readers.decimals import rounding_of
 from inertia.mesh.readers.gmsh_sections import FORMAT, TYPES, Group, MshFile, Section, nodes_of
@@ -26,7 +26,7 @@ _NAME = re.compile(rb'(\d)\s+(\d{1,9})\s+"([^"\r\n]*)"')
 
 
 def read_gmsh(path: Path) -> Contents:
-    """Read an MSH file; the region of an element is its physical group (the first, if it is in several)."""
+    """Read an MSH file; the region of an element is its physical group, or the several that it is in."""
     data = path.read_bytes().removeprefix(BOM_UTF8)
     header = FORMAT.search(data)
     if header is None:
@@ -45,15 +45,21 @@ def read_gmsh(path: Path) -> Contents:
     if twice.any():
         raise ReadError(f"it defines node {tags[order][np.argmax(twice)]} twice: export it again")
     titles = _physical_names(file)
+    several: list[tuple[int, ...]] = []
     places: dict[str, int] = {}
     blocks: list[Block] = []
-    for number, physical, corners in _elements_2(file) if old else _elements_4(file):
+    joint: set[str] = set()
+    for number, physical, corners in _elements_2(file) if old else _elements_4(file, several):
         kind, arrangement = TYPES[number]
         groups, which = np.unique(physical, return_inverse=True)
-        names = [titles.get((dimension_of(kind), tag), str(tag)) if tag else UNNAMED for tag in groups.tolist()]
+        own = [several[~tag] if ~tag in range(len(several)) else (tag,) for tag in groups.tolist()]
+        dimension = dimension_of(kind)
+        titled = [dict.fromkeys(titles.get((dimension, k), str(k)) if k else UNNAMED for k in tags) for tags in own]
+        names = ["+".join(each) for each in titled]
+        joint |= {name for name, each in zip(names, titled, strict=True) if len(each) > 1}
         region = np.array([places.setdefault(name, len(places)) for name in names], np.int32)
         blocks.append((kind, _points(tags, order, corners[:, arrangement]), region[which]))
-    contents = cell_contents(points, blocks, tuple(places))
+    contents = with_joint(cell_contents(points, blocks, tuple(places)), joint)
     if file.binary:
         return contents
     rounding = rounding_of(points, lambda: file.section("Nodes") or b"", lambda: _coordinates(path))
@@ -203,9 +209,12 @@ def _nodes_4(file: MshFile) -> tuple[Int, Float]:
     return np.concatenate(tags), np.concatenate(points)
 
 
-def _elements_4(file: MshFile) -> list[Group]:
-    """Return the elements of MSH 4; their entity says which physical group they belong to."""
-    physical = _entities(file)
+def _elements_4(file: MshFile, several: list[tuple[int, ...]]) -> list[Group]:
+    """Return the elements of MSH 4; their entity says which physical group they belong to.
+
+    Elements in more than one have ~k for it, the place of their groups in `several`, which is filled.
+    """
+    physical = _entities(file, several)
     body = file.numbers("Elements")
     blocks, total, _, _ = body.sizes(4).tolist()
     groups: list[Group] = []
@@ -219,8 +228,8 @@ def _elements_4(file: MshFile) -> list[Group]:
     return groups
 
 
-def _entities(file: MshFile) -> dict[tuple[int, int], int]:
-    """Return (dimension, tag) of each entity in a physical group → the tag of (the first) group."""
+def _entities(file: MshFile, several: list[tuple[int, ...]]) -> dict[tuple[int, int], int]:
+    """Return (dimension, tag) of each entity in physical groups → the tag of the group, or ~k as above."""
     physical: dict[tuple[int, int], int] = {}
     if file.section("Entities") is None:
         return physical
@@ -229,9 +238,11 @@ def _entities(file: MshFile) -> dict[tuple[int, int], int]:
         for _ in range(count):
             tag = int(body.ints(1)[0])
             body.floats(6 if dimension else 3)
-            groups = body.ints(body.size())
+            groups = tuple(sorted({abs(group) for group in body.ints(body.size()).tolist()}))
             if dimension:
                 body.ints(body.size())
-            if len(groups):
-                physical[dimension, tag] = abs(int(groups[0]))
+            if len(groups) > 1 and groups not in several:
+                several.append(groups)
+            if groups:
+                physical[dimension, tag] = groups[0] if len(groups) == 1 else ~several.index(groups)
     return physical

@@ -22,7 +22,7 @@ from inertia.arrays import Int
 from inertia.errors import ReadError
 from inertia.mesh.part import Rounding
 from inertia.mesh.readers.abaqus import plain_input
-from inertia.mesh.readers.cells import Block, cell_contents
+from inertia.mesh.readers.cells import Block, cell_contents, with_joint
 from inertia.mesh.readers.contents import UNNAMED, Contents, plural, quietly, shown, text_of, was
 from inertia.mesh.readers.decimals import rounding_of
 from inertia.mesh.readers.legacy_vtk import teach
@@ -55,6 +55,8 @@ _SEVERAL = {2: "poly-vertex", 4: "poly-line", 6: "triangle strip"}
 """VTK's cells of any number of others."""
 
 _GHOST = 1 | 32  # of another piece, or hidden
+
+_LISTED = 5  # names of sets in a note
 
 _POLYGON = 7  # of VTK, the one kind of any size that meshio reads from lists
 
@@ -136,7 +138,9 @@ def contents_of(mesh: Any, expected: int | None = None) -> Contents:
     blocks: list[Block] = [
         (block.type, corners, region) for block, corners, region in zip(mesh.cells, nodes, regions, strict=True)
     ]
-    contents = cell_contents(np.asarray(mesh.points), blocks, names)
+    families: dict[int, list[str]] = getattr(mesh, "cell_tags", {})
+    joint = {"+".join(groups) for groups in families.values() if len(groups) > 1}
+    contents = with_joint(cell_contents(np.asarray(mesh.points), blocks, names), joint)
     return replace(contents, notes=(*contents.notes, *of_sets))
 
 
@@ -289,7 +293,7 @@ def _from_sets(
     members: dict[str, list[NDArray[Any]]] = {}
     notes = []
     for name, lists in sets.items():
-        parts = [np.empty(0, np.int64) if part is None else np.asarray(part) for part in lists]
+        parts = [_members(part) for part in lists]
         if len(parts) == len(sizes) and all(
             part.ndim == 1 and part.dtype.kind in "iu" and (part >= 0).all() and (part < size).all()
             for part, size in zip(parts, sizes, strict=True)
@@ -304,5 +308,17 @@ def _from_sets(
             region[part] = len(names)
         names.append(str(name))
     if several:
-        notes.append(f"{plural(several, 'cell')} in more than one set {was(several)} counted to the smallest")
+        left = {int(number) for region in regions for number in np.unique(region)}
+        empty = [shown(name) for number, name in enumerate(names) if number and number not in left and members[name]]
+        more = f" and {len(empty) - _LISTED} more" if len(empty) > _LISTED else ""
+        leaves = f", which leaves none to {', '.join(empty[:_LISTED])}{more}" if empty else ""
+        notes.append(f"{plural(several, 'cell')} in more than one set {was(several)} counted to the smallest{leaves}")
     return tuple(names), list(regions), notes
+
+
+def _members(part: Any) -> NDArray[Any]:
+    """Return the numbers of a set's cells in one block; what is no list of numbers is no flat array."""
+    try:
+        return np.empty(0, np.int64) if part is None else np.asarray(part)
+    except ValueError:  # lists of several lengths
+        return np.empty((0, 0))

@@ -51,6 +51,7 @@ _UNREAD = re.compile(
     rb"(?i)#\d+\s*=\s*(CSG_SOLID|(?:EXTRUDED|REVOLVED)_(?:AREA|FACE)_SOLID(?:_\w+)?|SWEPT_DISK_SOLID|SURFACE_CURVE_SWEPT_\w+"
     rb"|SOLID_REPLICA)\s*\("
 )
+_HIDDEN = re.compile(rb"(?i)=\s*INVISIBILITY\s*\(\s*\(([^()]*)\)")
 _FLAT = 1e-12  # of the size: triangles no farther off than that are the faces themselves
 _ROUNDING = 2.0**-50  # of the largest coordinate
 
@@ -126,7 +127,7 @@ def _converted(path: Path, coarser: float, *how: str) -> _Converted:
     if importlib.util.find_spec("OCP") is None:
         raise ReadError("STEP needs the package cadquery-ocp-novtk: pip install 'inertia[step]'", code="needs_package")
     with temporary_folder() as folder:
-        source, left_out, unread = _by_itself(path, folder)
+        source, left_out, unread, hidden = _by_itself(path, folder)
         _convert(source, folder, coarser, path.stat().st_size / 1e6, *how)
         document = json.loads((folder / "part.json").read_text())
         with np.load(folder / "arrays.npz", allow_pickle=False) as file:
@@ -141,6 +142,8 @@ def _converted(path: Path, coarser: float, *how: str) -> _Converted:
         notes.insert(0, f"{plural(left_out, 'file')} that it refers to {was(left_out)} left out")
     notes += _gaps(document["loose"], document["without_triangles"])
     notes += [f"{plural(n, kind)} {was(n)} left out: OpenCASCADE does not read {kind}" for kind, n in unread.items()]
+    if hidden:
+        notes.append(f"{plural(hidden, 'item')} marked as hidden (INVISIBILITY) {was(hidden)} counted where solid")
     if document["units"] > 1:
         notes.append(f"it has {document['units']} units of length, and was read in that of most shapes, {unit.name}")
     if document["faults"]:
@@ -246,10 +249,10 @@ def _limit(name: str, usual: float) -> float:
     return limit
 
 
-def _by_itself(path: Path, folder: Path) -> tuple[Path, int, Counter[str]]:
+def _by_itself(path: Path, folder: Path) -> tuple[Path, int, Counter[str], int]:
     """Return a file without references to others, which OpenCASCADE would read from anywhere, and how many it had.
 
-    With them come the solids of kinds that it passes over without a word, by their kind.
+    With them come the solids of kinds that it passes over without a word, by their kind, and how many items are hidden.
 
     The entity that names a file (ISO 10303-41 `document_file`, also under its short name) is given a name of the same
     length that OpenCASCADE does not know; what refers to it is passed over.
@@ -258,8 +261,9 @@ def _by_itself(path: Path, folder: Path) -> tuple[Path, int, Counter[str]]:
     data = stored.removeprefix(BOM_UTF8)  # which OpenCASCADE does not know
     count = len(_REFERENCE.findall(data))
     unread = Counter(kind.decode().upper() for kind in _UNREAD.findall(data))
+    hidden = sum(items.count(b"#") for items in _HIDDEN.findall(data))
     if not count and data == stored:
-        return path.absolute(), 0, unread
+        return path.absolute(), 0, unread, hidden
     alone = folder / "part.step"
     alone.write_bytes(_REFERENCE.sub(lambda name: name[0][:-1] + b"_", data))
-    return alone, count, unread
+    return alone, count, unread, hidden

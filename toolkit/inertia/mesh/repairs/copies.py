@@ -29,14 +29,16 @@ class _Pairs:
 
 
 def copies(faces: Int) -> Int:
-    """Return the faces (m, 3) that repeat an earlier one, unless they belong to a second surface.
+    """Return the faces (m, 3) that repeat an earlier one, which stands before each, as (k, 2).
+
+    Those that belong to a second surface are left out.
 
     >>> copies(np.array([[0, 1, 2], [1, 2, 0], [0, 2, 1]])).tolist()
-    [1]
+    [[0, 1]]
     """
     pairs = _pairs(faces, opposite=False)
     two_surfaces = 2 * (pairs.edges - pairs.one - pairs.nothing) > pairs.edges
-    return np.unique(pairs.triangles[~two_surfaces, 1])
+    return pairs.triangles[~two_surfaces]
 
 
 def facing(faces: Int) -> tuple[Int, Int]:
