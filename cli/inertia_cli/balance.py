@@ -178,7 +178,7 @@ def _missing(options: argparse.Namespace) -> list[str]:
 def _balance(rotor: Rotor, options: argparse.Namespace) -> int:
     from inertia.balancing.balance import balance as balance_rotor
     from inertia.balancing.corrections.correction_plane import CUTTING
-    from inertia.output import require_writable
+    from inertia.output import note_input, require_writable
     from inertia.report.balance.document import balance_document
     from inertia.report.balance.figures import report_data
     from inertia.report.balance.text import balance_text
@@ -191,6 +191,8 @@ def _balance(rotor: Rotor, options: argparse.Namespace) -> int:
             raise UsageError("--to-toml has no room for --json: leave one of them out")
         print_file(rotor.to_toml())
         return 0
+    for body in rotor.fields.body:
+        note_input(rotor.folder / body.file)
     for file, suffix in ((options.csv, ".csv"), (options.report, ".html"), (options.cut_part, ".stl")):
         if file is not None:
             require_writable(file, suffix, force=options.force)

@@ -17,7 +17,7 @@ from inertia.errors import GeometryError, InertiaError, ReadError, UsageError
 from inertia_meshes import path
 
 Matrix = list[list[Fraction]]
-BOX, HANDLE = path("box.stl"), path("t_handle.stl")
+BOX, CONE, HANDLE = path("box.stl"), path("cone.stl"), path("t_handle.stl")
 
 
 def assembly(*parts: dict[str, Any], folder: Path = Path(), **fields: Any) -> Assembly:
@@ -102,16 +102,16 @@ def test_nested_placements_are_those_of_the_corners_moved_exactly() -> None:
     whole = assembly(
         {"name": "group", "quaternion": list(first), "at": ["1/3", 20, -7]},
         {"name": "box", "parent": "group", "file": str(BOX), "density": 2700.0, "quaternion": list(second)},
-        {"name": "handle", "parent": "box", "file": str(HANDLE), "density": 7850.0, "at": [0.1, 0, "2/7"]},
-        {"name": "far", "file": str(HANDLE), "density": 1000.0, "at": [1e6, 0, 0]},
+        {"name": "cone", "parent": "box", "file": str(CONE), "density": 7850.0, "at": [0.1, 0, "2/7"]},
+        {"name": "far", "file": str(CONE), "density": 1000.0, "at": [1e6, 0, 0]},
     )
     outer = turn(first, [Fraction(1, 3000), Fraction(20, 1000), Fraction(-7, 1000)])
     inner = then(outer, turn(second, [Fraction(0)] * 3))
     deep = then(inner, turn((0, 0, 0, 1), [Fraction(0.1) / 1000, Fraction(0), Fraction(2, 7000)]))
     away = turn((0, 0, 0, 1), [Fraction(1000), Fraction(0), Fraction(0)])
-    box, handle = corners_of(BOX), corners_of(HANDLE)
-    near = [(moved(box, inner), Fraction(2700)), (moved(handle, deep), Fraction(7850))]
-    assert_within_bounds(whole.mass_properties(), [*near, (moved(handle, away), Fraction(1000))], 1e-11)
+    box, cone = corners_of(BOX), corners_of(CONE)
+    near = [(moved(box, inner), Fraction(2700)), (moved(cone, deep), Fraction(7850))]
+    assert_within_bounds(whole.mass_properties(), [*near, (moved(cone, away), Fraction(1000))], 1e-11)
     without = Assembly.from_dict({"part": whole.to_dict()["part"][:3]}).mass_properties()
     assert_within_bounds(without, near)
 
@@ -122,7 +122,7 @@ def test_random_trees_are_within_their_bounds(seed: int) -> None:
     parts: list[dict[str, Any]] = []
     places: list[Matrix] = []
     oracle = []
-    box, handle = corners_of(BOX), corners_of(HANDLE)
+    box, cone = corners_of(BOX), corners_of(CONE)
     for k in range(8):
         quaternion = rng.integers(-9, 10, 4).tolist()
         quaternion[3] = quaternion[3] or 1
@@ -131,7 +131,7 @@ def test_random_trees_are_within_their_bounds(seed: int) -> None:
         parent = int(rng.integers(0, k)) if k and rng.random() < 0.7 else None
         places.append(own if parent is None else then(places[parent], own))
         density = float(rng.uniform(500, 9000))
-        file, corners = (BOX, box) if rng.random() < 0.5 else (HANDLE, handle)
+        file, corners = (BOX, box) if rng.random() < 0.5 else (CONE, cone)
         part = {"name": f"p{k}", "file": str(file), "density": density, "quaternion": quaternion, "at": at}
         parts.append(part if parent is None else part | {"parent": f"p{parent}"})
         oracle.append((moved(corners, places[-1]), Fraction(density)))
@@ -139,24 +139,24 @@ def test_random_trees_are_within_their_bounds(seed: int) -> None:
 
 
 def test_a_mirrored_part_is_that_of_the_corners_mirrored() -> None:
-    handle = [[[-p[0], p[1], p[2]] for p in (a, c, b)] for a, b, c in corners_of(HANDLE)]
-    whole = assembly({"name": "h", "file": str(HANDLE), "density": 1000.0, "mirror": "x", "at": [0, 5, 0]})
+    cone = [[[-p[0], p[1], p[2]] for p in (a, c, b)] for a, b, c in corners_of(CONE)]
+    whole = assembly({"name": "h", "file": str(CONE), "density": 1000.0, "mirror": "x", "at": [0, 5, 0]})
     place = turn((0, 0, 0, 1), [Fraction(0), Fraction(5, 1000), Fraction(0)])
-    assert_within_bounds(whole.mass_properties(), [(moved(handle, place), Fraction(1000))])
-    same = assembly({"name": "h", "file": str(HANDLE), "density": 1000.0, "mirror": [-3, 0, 0], "at": [0, 5, 0]})
+    assert_within_bounds(whole.mass_properties(), [(moved(cone, place), Fraction(1000))])
+    same = assembly({"name": "h", "file": str(CONE), "density": 1000.0, "mirror": [-3, 0, 0], "at": [0, 5, 0]})
     assert same.mass_properties().inertia.tolist() == whole.mass_properties().inertia.tolist()
 
 
 def test_four_around_an_axis_are_four_quarter_turns() -> None:
     whole = assembly(
-        {"name": "h", "file": str(HANDLE), "density": 1000.0, "at": [40, 0, 3]}
+        {"name": "h", "file": str(CONE), "density": 1000.0, "at": [40, 0, 3]}
         | {"around": {"count": 4, "axis": [0, 0, 2], "through": [10, 0, 0]}}
     )
-    handle, at = corners_of(HANDLE), turn((0, 0, 0, 1), [Fraction(40, 1000), Fraction(0), Fraction(3, 1000)])
+    cone, at = corners_of(CONE), turn((0, 0, 0, 1), [Fraction(40, 1000), Fraction(0), Fraction(3, 1000)])
     point, parts = [Fraction(10, 1000), Fraction(0), Fraction(0)], []
     for quarter in ((0, 0, 0, 1), (0, 0, 1, 1), (0, 0, 1, 0), (0, 0, -1, 1)):
         about = then(turn(quarter, point), turn((0, 0, 0, 1), [-k for k in point]))
-        parts.append((moved(handle, then(about, at)), Fraction(1000)))
+        parts.append((moved(cone, then(about, at)), Fraction(1000)))
     assert_within_bounds(whole.mass_properties(), parts)
 
 

@@ -217,25 +217,22 @@ def draws_of_places(count: int, seed: int, position: float, angle: float) -> np.
     """Draw the places of three boxes on a group, with numpy alone."""
     rng = np.random.default_rng(seed)
     tensor = 0.2 / 12 * np.diag([0.03**2 + 0.01**2, 0.04**2 + 0.01**2, 0.04**2 + 0.03**2])
-    result = []
-    for _ in range(count):
-        mass, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
-        out = Rotation.from_rotvec(angle * rng.normal(size=3)) * Rotation.from_euler("xz", [25, 50], degrees=True)
-        base = np.array([0.001, 0.002, 0.003]) + position * rng.normal(size=3)
-        for k in range(3):
-            turn = Rotation.from_rotvec([0, 0, 2 * np.pi * k / 3])
-            at = turn.apply([0.05, 0, 0.01]) + position * rng.normal(size=3)
-            own = out * Rotation.from_rotvec(angle * rng.normal(size=3)) * turn
-            center = base + out.apply(at) + own.apply([0.004, 0.005, 0.006])
-            rows = own.as_matrix()
-            inside = rows @ (np.trace(tensor) / 2 * np.eye(3) - tensor) @ rows.T
-            mass, first = mass + 0.2, first + 0.2 * center
-            second += inside + 0.2 * np.outer(center, center)
-        c = first / mass
-        central = second - mass * np.outer(c, c)
-        i = np.trace(central) * np.eye(3) - central
-        result.append([mass, *c, *(i[k] for k in ELEMENTS)])
-    return np.array(result)
+    mass, first, second = 0.6, np.zeros((count, 3)), np.zeros((count, 3, 3))
+    out = Rotation.from_rotvec(angle * rng.normal(size=(count, 3))) * Rotation.from_euler("xz", [25, 50], degrees=True)
+    base = np.array([0.001, 0.002, 0.003]) + position * rng.normal(size=(count, 3))
+    for k in range(3):
+        turn = Rotation.from_rotvec([0, 0, 2 * np.pi * k / 3])
+        at = turn.apply([0.05, 0, 0.01]) + position * rng.normal(size=(count, 3))
+        own = out * Rotation.from_rotvec(angle * rng.normal(size=(count, 3))) * turn
+        center = base + out.apply(at) + own.apply([0.004, 0.005, 0.006])
+        rows = own.as_matrix()
+        first += 0.2 * center
+        second += rows @ (np.trace(tensor) / 2 * np.eye(3) - tensor) @ rows.transpose(0, 2, 1)
+        second += 0.2 * center[:, :, None] * center[:, None]
+    c = first / mass
+    central = second - mass * c[:, :, None] * c[:, None]
+    i = np.trace(central, axis1=1, axis2=2)[:, None, None] * np.eye(3) - central
+    return np.column_stack([np.full(count, mass), c, *(i[:, j, k] for j, k in ELEMENTS)])
 
 
 def test_places_and_angles_are_those_of_draws() -> None:

@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
+from inertia.balancing import arrangement_program
 from inertia.balancing.arrangement import Choice
 from inertia.balancing.indexing import best_answer
 
@@ -68,7 +69,8 @@ def test_equal_parts_stay_where_they_are():
     assert answer.left == answer.bound == pytest.approx(0.3)
 
 
-def test_where_too_much_is_open_a_bound_says_how_far_the_best_may_be():
+def test_where_too_much_is_open_a_bound_says_how_far_the_best_may_be(monkeypatch):
+    monkeypatch.setattr(arrangement_program, "NODES", 20)
     choice = Choice(np.array([0.02 + 0j, 0.015j]), (), (orders(13, 1),))
     answer = best_answer(choice)
     draw = np.random.default_rng(0)

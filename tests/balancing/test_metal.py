@@ -29,9 +29,9 @@ ARC = {"id": "I", "z": 95, "method": "mill_arc", "width": 12, "max_depth": 3, "m
 KEY = {"convention": "F", "width": 8, "height": 8, "length": 10, "floor": 30, "angle": 180, "z": 95, "density": 5e4}
 
 
-def eccentric(folder: Path, off: float, *planes: dict, **changes: object) -> Balance:
+def eccentric(folder: Path, off: float, *planes: dict, sides: int = 720, **changes: object) -> Balance:
     """Balance a disc that runs out by `off`, mm."""
-    corners = revolved(PROFILE, 720)
+    corners = revolved(PROFILE, sides)
     corners[..., 0] += np.where(np.hypot(corners[..., 0], corners[..., 1]) > 20, off, 0.0)
     part = Part.from_arrays(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), "mm")
     write_stl([part], folder / "r.stl", part.unit, force=True)
@@ -128,7 +128,7 @@ def test_holes_keep_their_web_below_a_surface_that_is_not_where_the_file_says(tm
     planes = [
         DRILL | {"id": str(z), "z": z, "radius": 50.2, "diameters": [8], "max_depth": 12, "web": 2} for z in (89, 98)
     ]
-    works = eccentric(tmp_path, OFF, *planes, key=[KEY]).correction.operations
+    works = eccentric(tmp_path, OFF, *planes, sides=180, key=[KEY]).correction.operations
     assert len(works) > 1
     for k, work in enumerate(works):
         for other in works[:k]:
@@ -138,8 +138,8 @@ def test_holes_keep_their_web_below_a_surface_that_is_not_where_the_file_says(tm
 
 def test_a_hole_through_is_as_deep_as_the_part_is_thick(tmp_path):
     for given in ({}, {"max_depth": 40}):
-        works = eccentric(tmp_path, OFF, AXIAL | {"through": True} | given).correction.operations
+        works = eccentric(tmp_path, OFF, AXIAL | {"through": True} | given, sides=180).correction.operations
         assert [k.depth for k in works] == pytest.approx([30 * MM] * len(works), abs=1e-8)
         assert all(k.mass == pytest.approx(STEEL * math.pi / 4 * k.tool_diameter**2 * 0.03, rel=5e-3) for k in works)
     with pytest.raises(GeometryError, match=r"goes 30 mm deep, as thick as .*, past the max_depth of 25 mm: correct"):
-        eccentric(tmp_path, OFF, AXIAL | {"through": True, "max_depth": 25})
+        eccentric(tmp_path, OFF, AXIAL | {"through": True, "max_depth": 25}, sides=180)

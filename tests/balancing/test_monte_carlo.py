@@ -98,13 +98,16 @@ HOLES = (
 DENSITY = 7850.0
 
 
+GAUSS = np.polynomial.legendre.leggauss(40)
+
+
 def taken(work, depth=0.0, diameter=0.0, radius=0.0, mass=0.0):
     """Return the magnitude of an operation's unbalance, changed by so much, from the integral over its solid."""
     if work.kind == "weight":
         return work.mass * (1 + mass) * (work.radius + radius)
     h, r = work.depth + depth, work.radius + radius
     if work.kind == "mill_flat":
-        s, weights = np.polynomial.legendre.leggauss(40)
+        s, weights = GAUSS
         t = 0.5 * math.acos((r - h) / r) * (s + 1)  # s = r cos t
         chord = 2 * r * np.sin(t)
         inner = weights @ (chord * r * np.cos(t) * r * np.sin(t))
@@ -149,7 +152,7 @@ class Lumps:
         for (points, masses), density in zip(self.bodies, densities, strict=True):
             local = shaft.to_shaft(points)
             heavy = masses * (1 + density) * (local[:, 0] + 1j * local[:, 1])
-            vectors += list(zip(local[:, 2], heavy, strict=True))
+            vectors += list(zip(local[:, 2].tolist(), heavy.tolist(), strict=True))
         return in_planes(vectors)
 
     def unbalance(self, radial, relative):

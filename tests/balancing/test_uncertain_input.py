@@ -19,14 +19,14 @@ from inertia_cli.main import main
 from inertia_meshes import path
 
 
-def seen_from(shaft: Shaft, vertices: Float, faces: np.ndarray, z: float) -> tuple[complex, complex]:
-    """Return U and D about the plane z of a solid of unit density, from its tetrahedra in shaft axes."""
-    a, b, c = np.moveaxis(shaft.to_shaft(vertices)[faces], 1, 0)
-    d = np.einsum("ti,ti->t", a, np.cross(b, c))
+def seen_from(shaft: Shaft, vertices: Float, faces: np.ndarray, z: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return U and D about the plane z of solids (..., v, 3) of unit density, from their tetrahedra in shaft axes."""
+    a, b, c = (shaft.to_shaft(vertices)[..., corner, :] for corner in faces.T)
+    d = np.vecdot(a, np.cross(b, c))[..., None]
     s = a + b + c
-    first = d @ s / 24
-    second = (np.einsum("t,ti,tj->ij", d, s, s) + sum(np.einsum("t,ti,tj->ij", d, x, x) for x in (a, b, c))) / 120
-    u, w = complex(first[0], first[1]), complex(second[0, 2], second[1, 2])
+    first = (d * s).sum(axis=-2) / 24
+    with_z = sum((d * x * x[..., 2:]).sum(axis=-2) for x in (s, a, b, c)) / 120
+    u, w = (k[..., 0] + 1j * k[..., 1] for k in (first, with_z))
     return u, w - z * u
 
 
@@ -39,9 +39,7 @@ def test_noise_of_vertices_moves_the_unbalance_as_stated() -> None:
     source = propagated("vertices", u.components["vertices"], u.properties, shaft, z)
     modes = np.array(source.modes)
     rng = np.random.default_rng(1)
-    draws = np.array(
-        [seen_from(shaft, vertices + rng.normal(0, sigma, vertices.shape), faces, z) for _ in range(10_000)]
-    )
+    draws = np.transpose(seen_from(shaft, vertices + rng.normal(0, sigma, (10_000, *vertices.shape)), faces, z))
     parts = np.column_stack([draws[:, 0].real, draws[:, 0].imag, draws[:, 1].real, draws[:, 1].imag])
     stated = np.column_stack([modes[:, 0].real, modes[:, 0].imag, modes[:, 1].real, modes[:, 1].imag])
     covariance, drawn = stated.T @ stated, np.cov(parts.T)

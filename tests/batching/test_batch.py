@@ -73,9 +73,14 @@ def test_every_file_has_its_row_in_the_order_of_its_name_with_any_number_of_work
     assert {row["state"] for row in one} == {"answered", "refused", "unreadable"}
 
 
+@pytest.fixture(scope="module")
+def refused() -> dict[str, dict[str, Any]]:
+    return {row["path"]: row for row in rows(*BROKEN)}
+
+
 @pytest.mark.parametrize("file", BROKEN, ids=lambda file: file.stem)
-def test_what_is_refused_says_what_the_library_raises(file: Path) -> None:
-    (row,) = rows(file)
+def test_what_is_refused_says_what_the_library_raises(file: Path, refused: dict[str, dict[str, Any]]) -> None:
+    row = refused[str(file)]
     with pytest.raises(inertia.InertiaError) as raised:
         inertia.analyse(inertia.read(file))
     assert row["exit_code"] == raised.value.exit_code

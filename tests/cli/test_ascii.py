@@ -53,8 +53,11 @@ def test_every_sign_has_a_word_in_ascii(sign: str) -> None:
 
 def samples() -> list[list[str]]:
     parts = path("cube.stl").parent
-    scenes = [["simulate", str(scene)] for scene in sorted(parts.glob("scenes/*.toml"))]
-    rotors = [["balance", str(rotor)] for rotor in sorted(parts.glob("rotors/*.toml"))]
+    scenes = [
+        ["simulate", str(scene), *(["--for", "0.1"] if scene.stem == "tippe_top" else [])]  # which takes long
+        for scene in sorted(parts.glob("scenes/*.toml"))
+    ]
+    rotors = [["balance", str(rotor), "--time", "0.5"] for rotor in sorted(parts.glob("rotors/*.toml"))]
     part = str(parts / "shaft_impeller.obj")
     return [
         *scenes,
@@ -65,8 +68,8 @@ def samples() -> list[list[str]]:
         ["analyse", str(parts / "cube.stl"), "--material", "steel", "--about", "1,2,3"],
         ["check", str(parts / "broken/missing_face.stl")],
         ["check", part],
-        ["trade", str(parts / "cube.stl")],
-        ["trade", str(parts / "scenes/t_handle.toml")],
+        ["trade", str(parts / "cube.stl"), "--repeats", "1"],
+        ["trade", str(parts / "scenes/t_handle.toml"), "--repeats", "1", "--budget", "1"],
         ["tumble", str(parts / "t_handle.stl"), "--spin", "0.001,10,0", "--for", "1"],
         ["simulate", str(parts / "scenes/t_handle.toml"), "--explain"],
         ["simulate", str(parts / "scenes/heavy_top.toml"), "--vary", "body.mass=1±0.01", "--draws", "20"],
@@ -90,6 +93,7 @@ def test_reports_help_and_sentences_have_no_escapes(
         main(["balance measure", *arguments[1:]] if arguments[0] == "measure" else arguments)
     printed = "".join(capsys.readouterr())
     assert printed
+    assert not re.search(r"\bnan\b", printed)
     plain = printed.encode("ascii", "inertia.ascii").decode()
     assert [line for line in plain.splitlines() if _ESCAPED.search(line)] == []
 
@@ -103,9 +107,9 @@ def test_a_file_on_standard_output_is_utf_8_whatever_the_terminal_has(tmp_path: 
     )
     part = tmp_path / "größe.stl"
     part.write_bytes(path("cube.stl").read_bytes())
-    for encoding in ("ascii", "latin-1", "utf-8"):
-        urdf = spoken(encoding, "analyse", str(part), "--density", "1000", "--as", "urdf")
-        assert urdf == spoken("utf-8", "analyse", str(part), "--density", "1000", "--as", "urdf")
+    encodings = ("ascii", "latin-1", "utf-8")
+    assert len({spoken(k, "analyse", str(part), "--density", "1000", "--as", "urdf") for k in encodings}) == 1
+    for encoding in encodings:
         assert tomllib.loads(spoken(encoding, "balance", str(rotor), "--to-toml").decode())
         document = spoken(encoding, "analyse", str(part), "--json").decode()
         assert json.loads(document)["source"]["path"] == str(part)

@@ -5,7 +5,7 @@ import math
 from pathlib import Path
 
 import pytest
-from tests.mesh.readers.step_sample import step_sphere
+from tests.mesh.readers.step_sample import step_cone, step_sphere
 
 from inertia_cli.main import main
 from inertia_meshes import path
@@ -21,6 +21,7 @@ def test_the_estimate_is_near_the_error_of_the_ball(tmp_path: Path, capsys: pyte
     lost = (true - result["volume"]) / result["volume"]
     assert 0 < lost < 3e-3
     assert result["error"]["tessellation"]["volume"] == pytest.approx(lost, rel=0.5)
+    file.write_text(step_cone(20.0, 20.0, 20.0))
     assert main(["analyse", str(file), "--richardson"]) == 0
     assert "Richardson estimate" in capsys.readouterr().out
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from inertia_cli.main import main
 from inertia_meshes import path
 
 _RUN = [sys.executable, "-c", "from inertia_cli.__main__ import run; run()"]
@@ -27,11 +28,12 @@ def run(*arguments: str, data: bytes = b"", folder: Path | None = None) -> subpr
 
 
 @pytest.mark.parametrize("name", ["cube.stl", "cube_ascii.stl", "shaft_impeller.obj", "two_region_bar.vtk"])
-def test_a_part_is_told_by_its_contents(name: str) -> None:
+def test_a_part_is_told_by_its_contents(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     data = path(name).read_bytes()
-    there, piped = run("analyse", str(path(name)), "--json"), run("analyse", "-", "--json", data=data)
+    main(["analyse", str(path(name)), "--json"])
+    piped = run("analyse", "-", "--json", data=data)
     assert piped.stderr == b""
-    expected, result = json.loads(there.stdout), json.loads(piped.stdout)
+    expected, result = json.loads(capsys.readouterr().out), json.loads(piped.stdout)
     assert result["source"] == {**expected["source"], "path": "-", "sha256": hashlib.sha256(data).hexdigest()}
     result.pop("source")
     expected.pop("source")
@@ -112,12 +114,12 @@ def test_it_is_closed() -> None:
     )
 
 
-def test_a_robot_is_told_by_its_contents(tmp_path: Path) -> None:
+def test_a_robot_is_told_by_its_contents(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arm = path("robots/arm.urdf")
-    there = run("audit", str(arm), "--json")
+    there = main(["audit", str(arm), "--json"])
     piped = run("audit", "-", "--json", "--fix", str(tmp_path / "fixed"), data=arm.read_bytes(), folder=arm.parent)
-    assert (there.returncode, piped.returncode, piped.stderr) == (5, 5, b"")
-    expected, result = json.loads(there.stdout), json.loads(piped.stdout)
+    assert (there, piped.returncode, piped.stderr) == (5, 5, b"")
+    expected, result = json.loads(capsys.readouterr().out), json.loads(piped.stdout)
     assert result["source"] == {**expected["source"], "path": "-"}
     assert result["links"] == expected["links"]
     assert (tmp_path / "fixed").read_bytes().count(b"<!-- mended: ") == 4

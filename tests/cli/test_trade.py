@@ -9,7 +9,7 @@ from inertia.dynamics.integrators import methods
 from inertia_cli.main import main
 from inertia_meshes import path
 
-TORUS = str(path("torus.stl"))
+CUBE, TORUS = str(path("cube.stl")), str(path("torus.stl"))
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
@@ -45,14 +45,15 @@ def test_the_table_is_for_reading(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_a_plot_is_written_beside_the_table(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     file = tmp_path / "trade.svg"
-    code, out, _ = run(capsys, TORUS, "--repeats", "1", "--plot", str(file))
-    assert code == 0
-    assert out.startswith("Part")
-    assert "torus.stl" in file.read_text()
-    code, out, err = run(capsys, TORUS, "--repeats", "1", "--plot", str(file))
+    file.write_text("kept")
+    code, out, err = run(capsys, CUBE, "--repeats", "1", "--plot", str(file))
     assert (code, out) == (2, "")
     assert "--force" in err
-    assert run(capsys, TORUS, "--repeats", "1", "--plot", str(file), "--force")[0] == 0
+    assert file.read_text() == "kept"
+    code, out, _ = run(capsys, CUBE, "--repeats", "1", "--plot", str(file), "--force")
+    assert code == 0
+    assert out.startswith("Part")
+    assert "cube.stl" in file.read_text()
 
 
 def test_a_scene_is_measured_by_the_same_command(
@@ -81,7 +82,7 @@ def test_what_was_measured_is_told_where_the_plot_fails(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("inertia.output.os.fsync", full)
-    code, out, err = run(capsys, TORUS, "--repeats", "1", "--plot", str(tmp_path / "trade.png"))
+    code, out, err = run(capsys, CUBE, "--repeats", "1", "--plot", str(tmp_path / "trade.png"))
     assert code == 1
     assert "Recommended" in out
     assert "No space left" in err

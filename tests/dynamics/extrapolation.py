@@ -26,13 +26,15 @@ def follow(rate: Rate, start: Sequence[Any], times: Sequence[Any], first: float 
     out = []
     for target in map(mpmath.mpf, times):
         while now < target:
-            step = min(step, target - now)
-            ahead, error = _extrapolated(rate, now, state, step)
+            length = min(step, target - now)
+            ahead, error = _extrapolated(rate, now, state, length)
+            share = 0.9 * float(tolerance / error) ** (0.5 / COLUMNS) if error else 2.0
             if error > tolerance:
-                step *= 0.7
+                step = share * length
                 continue
-            now, state = (target, ahead) if now + step >= target else (now + step, ahead)
-            step *= min(2.0, max(1.0, float(tolerance / error) ** (1.0 / (2 * COLUMNS)) if error else 2.0))
+            now, state = (target, ahead) if now + length >= target else (now + length, ahead)
+            if length == step:
+                step *= min(share, 2.0)
         out.append(state)
     return out
 

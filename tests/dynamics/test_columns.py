@@ -139,7 +139,7 @@ def test_a_quantity_has_the_unit_of_what_it_is_and_not_of_what_it_is_of(name: st
 
 
 def test_a_scene_that_no_file_can_hold_has_no_digest(tmp_path: Path) -> None:
-    torque = Torque(lambda time, attitude, omega: -1e-3 * omega)
+    torque = Torque(lambda time, attitude, omega: -1e-3 * omega, longest_step=1.0)
     base = scene(PLAIN)
     simulate(Scene(base.body, base.start, base.run, applied_loads=[torque])).to_npz(tmp_path / "run.npz")
     with np.load(tmp_path / "run.npz") as archive:

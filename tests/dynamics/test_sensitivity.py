@@ -174,37 +174,39 @@ def difference(plus: Any, minus: Any, step: Any) -> np.ndarray:
 
 
 def rolled(figures: Any, time: float, start: list[float], spin: list[float]) -> Any:
-    """Return the attitude at the end of a body that rolls: Newton and Euler along the axes of space, by mpmath."""
-    tensor, middle, mass, radius = figures
-    up, weight = mp.matrix([0, 0, 1]), mp.mpf(9.80665)
+    """Return the attitude at the end of a body that rolls: Newton and Euler along the axes of space, by mpmath.
 
-    def skew(v: Any) -> Any:
-        return mp.matrix([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+    Numbers stand behind arrays: mpmath takes an array behind a number for text first.
+    """
+    tensor, middle, mass, radius = figures
+    up, weight = np.array([0, 0, 1]), mp.mpf(9.80665)
 
     def turn(q: Any) -> Any:
-        x, y, z, w = (k / mp.norm(q) for k in q)
-        v = mp.matrix([x, y, z])
-        return (w * w - (v.T * v)[0]) * mp.eye(3) + 2 * v * v.T + 2 * w * skew(v)
+        x, y, z, w = np.array(q) / mp.norm(q)
+        v = np.array([x, y, z])
+        return np.eye(3, dtype=int) * (w * w - v @ v) + 2 * np.outer(v, v) + cross(v) * (2 * w)
 
     def rate(_: Any, state: list[Any]) -> list[Any]:
-        q, omega = state[:4], mp.matrix(state[4:])
+        q, omega = state[:4], np.array(state[4:])
         rotation = turn(q)
-        about, axis = rotation * tensor * rotation.T, rotation * mp.matrix([0, 0, 1])
-        leaning = skew(omega) * axis
-        across, changing = up - axis[2] * axis, -leaning[2] * axis - axis[2] * leaning
-        size = mp.norm(across)
+        about, axis = rotation @ tensor @ rotation.T, rotation[:, 2]
+        leaning = cross(omega) @ axis
+        across, changing = up - axis * axis[2], -axis * leaning[2] - leaning * axis[2]
+        size = mp.sqrt(across @ across)
         direction = across / size
-        arm = rotation * middle - radius * direction
-        swing = (changing - direction * (direction.T * changing)[0]) / size
-        arm_rate = skew(omega) * (rotation * middle) - radius * swing
-        inertia_there = about + mass * ((arm.T * arm)[0] * mp.eye(3) - arm * arm.T)
-        torque = mass * skew(arm) * (weight * up - skew(omega) * arm_rate) - skew(omega) * (about * omega)
+        arm = rotation @ middle - radius * direction
+        swing = (changing - direction * (direction @ changing)) / size
+        arm_rate = cross(omega) @ (rotation @ middle) - radius * swing
+        inertia_there = about + (np.eye(3, dtype=int) * (arm @ arm) - np.outer(arm, arm)) * mass
+        torque = cross(arm) @ (up * weight - cross(omega) @ arm_rate) * mass - cross(omega) @ (about @ omega)
         x, y, z, w = q
         a, b, c = omega
         slope = [w * a - y * c + z * b, w * b - z * a + x * c, w * c - x * b + y * a, -(x * a + y * b + z * c)]
-        return [*(k / 2 for k in slope), *mp.lu_solve(inertia_there, torque)]
+        one, two, three = inertia_there
+        columns = np.array([cross(two) @ three, cross(three) @ one, cross(one) @ two])
+        return [*(k / 2 for k in slope), *(torque @ columns / (one @ columns[0]))]
 
-    spinning = turn([mp.mpf(k) for k in start]) * mp.matrix(spin)
+    spinning = turn([mp.mpf(k) for k in start]) @ [mp.mpf(k) for k in spin]
     return follow(rate, [*start, *spinning], [time], 0.05)[0][:4]
 
 
@@ -225,8 +227,8 @@ def test_a_disc_that_rolls_against_differences_with_any_tensor(offset: float) ->
     with mp.workdps(24):
         step, ends = mp.mpf(10) ** -7, []
         for sign in (1, -1):
-            tensor = mp.diag(moments) + sign * step * mp.matrix(CHANGE["tensor"].tolist())
-            middle = mp.matrix([0, 0, offset]) - sign * step * mp.matrix(CHANGE["center"].tolist())
+            tensor = np.diag(moments) + CHANGE["tensor"] * (sign * step)
+            middle = np.array([0, 0, offset]) - CHANGE["center"] * (sign * step)
             ends.append(rolled((tensor, middle, mp.mpf(1.5) + sign * step * CHANGE["mass"], 1), time, start, spin))
         expected = difference(*ends, step)
     np.testing.assert_allclose(along(derivative, 1.0, 1.0, 1.0), expected, atol=1e-6)

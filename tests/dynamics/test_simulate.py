@@ -125,7 +125,8 @@ def test_a_function_gives_torques_in_part_axes() -> None:
         return np.array([0.0, 0.0, -12.0 * 2 * math.atan2(attitude[2], attitude[3])])
 
     body = scene(body={"inertia": [[1, 0, 0], [0, 2, 0], [0, 0, 3]]}).body
-    run = simulate(Scene(body, Start([0, 0, 1.0], frame="part"), Settings(3.0, 31), applied_loads=(Torque(spring),)))
+    load = Torque(spring, longest_step=1.0)
+    run = simulate(Scene(body, Start([0, 0, 1.0], frame="part"), Settings(3.0, 31), applied_loads=(load,)))
     angle = 2 * np.arctan2(run.attitude[:, 2], run.attitude[:, 3])
     np.testing.assert_allclose(angle, np.sin(2 * run.time) / 2, atol=1e-9)  # φ̈ = −4 φ
     assert seen[0][1:] == ((4,), (3,))

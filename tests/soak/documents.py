@@ -119,7 +119,7 @@ def case(seed: int, number: int, folder: Path) -> Outcome:
     file = inside / "document.toml"
     file.write_bytes(text)
     verb = "simulate" if sample.parent.name == "scenes" else "balance"
-    options = ["--time-limit", "10"] if verb == "simulate" else []
+    options = ["--time-limit", "10"] if verb == "simulate" else ["--time", "1"]
     printed = [] if any(b"samples" in line and len(line) > 14 for line in text.splitlines()) else ["--json"]
     outcome = outcome_of([verb, str(file), *options, *printed])
     if outcome.kind == "fault":

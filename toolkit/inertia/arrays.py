@@ -37,6 +37,19 @@ Parts = Literal["together", "separate"]
 """Whether the bodies of a part are one solid, in which nothing may count twice, or each is integrated by itself."""
 
 
+_NEXT, _AFTER = np.array([1, 2, 0]), np.array([2, 0, 1])
+
+
+def cross(a: Float, b: Float) -> Float:
+    """Return a × b, (…, 3), to the last bit as `numpy.cross`, which takes eight times as long for single vectors.
+
+    >>> cross(np.array([1.0, 2.0, 3.0]), np.eye(3)[1:]).tolist()
+    [[-3.0, 0.0, 1.0], [2.0, -1.0, 0.0]]
+    """
+    product: Float = a.take(_NEXT, -1) * b.take(_AFTER, -1) - a.take(_AFTER, -1) * b.take(_NEXT, -1)
+    return product
+
+
 def cut_by(values: NDArray[_T], sizes: Int) -> list[NDArray[_T]]:
     """Cut rows into pieces of sizes (k,) that follow one another: `numpy.split` takes six times as long for many.
 

@@ -166,16 +166,11 @@ def test_of_a_kit_no_fewer_weights_are_enough(
     """Against all choices there are."""
     angles = [turn + 2 * math.pi * k / count for k in range(count)]
     kit = [KitWeight(f"w{k}", size, None) for k, size in enumerate(sizes)]
-    at_one = [numbers for numbers in product(range(most + 1), repeat=len(kit)) if sum(numbers) <= most]
-    left: dict[int, float] = {}
-    for choice in product(at_one, repeat=count):
-        number = sum(map(sum, choice))
-        added = sum(
-            n * weight.mass * cmath.exp(1j * angle)
-            for numbers, angle in zip(choice, angles, strict=True)
-            for n, weight in zip(numbers, kit, strict=True)
-        )
-        left[number] = min(left.get(number, math.inf), abs(added - vector))
+    at_one = np.array([numbers for numbers in product(range(most + 1), repeat=len(kit)) if sum(numbers) <= most])
+    choices = np.indices([len(at_one)] * count).reshape(count, -1).T
+    added = (at_one @ sizes)[choices] @ np.exp(1j * np.array(angles))
+    numbers = at_one.sum(axis=1)[choices].sum(axis=1)
+    left = {n: float(np.abs(added - vector)[numbers == n].min()) for n in np.unique(numbers).tolist()}
     pieces = split_among(vector, angles, kit=kit, most_pieces=most, enough=enough)
     some = [number for number in sorted(left) if left[number] <= enough]
     if some:

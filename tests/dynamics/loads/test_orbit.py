@@ -82,6 +82,7 @@ def test_the_claim_holds_against_thirty_digits(name: str) -> None:
         place, velocity, mu = state_of(orbit)
         field = mu * unit**2 / size**3
         a, b, c = (mpmath.mpf(x) for x in BOOM)
+        shares = (b - c) / a, (c - a) / b, (a - b) / c
 
         def rate(_: Any, y: list[Any]) -> list[Any]:
             x, v, q, w = y[:3], y[3:6], y[6:10], y[10:]
@@ -103,9 +104,9 @@ def test_the_claim_holds_against_thirty_digits(name: str) -> None:
                 (s * o + k * p - i * r) / 2,
                 (s * r + i * o - j * p) / 2,
                 -(i * p + j * o + k * r) / 2,
-                (b - c) / a * (o * r - g * u[1] * u[2]),
-                (c - a) / b * (r * p - g * u[2] * u[0]),
-                (a - b) / c * (p * o - g * u[0] * u[1]),
+                shares[0] * (o * r - g * u[1] * u[2]),
+                shares[1] * (r * p - g * u[2] * u[0]),
+                shares[2] * (p * o - g * u[0] * u[1]),
             ]
 
         start = [*(x / size for x in place), *(v * unit / size for v in velocity)]

@@ -34,6 +34,13 @@ def test_table_about_an_axis_integrates_to_its_area(method: str | None) -> None:
     assert np.mod(angle - 31.0 / 6.0 + 1.0, 2 * np.pi) == pytest.approx(1.0, abs=1e-8)
 
 
+def test_a_table_stays_as_it_was_given() -> None:
+    rows = np.array([[0, 0, 0, 0], [1, 0, 0, 2.0]])
+    load = Torque(table=rows)
+    rows *= 7
+    assert load.table.torques.tolist() == [[0, 0, 0], [0, 0, 2]]
+
+
 def test_run_must_not_leave_the_table() -> None:
     problem = RotationProblem([1.0, 1.5, 2.0], [0.0, 0.0, 1.0], loads=(STEP,))
     with pytest.raises(UsageError, match=r"covers 0 … 3 s, and the run leaves it at .* s: extend"):
@@ -48,14 +55,14 @@ def during(first: float, last: float) -> Torque:
     return Torque(lambda time, attitude, omega: PULSE * (first <= time < last))
 
 
-@pytest.mark.parametrize(("first", "last"), [(7.3, 7.35), (0.0, 0.02), (19.98, 20.0)])
+@pytest.mark.parametrize(("first", "last"), [(2.9, 2.92), (0.0, 0.008), (7.992, 8.0)])
 @pytest.mark.parametrize("method", [None, "LSODA"])
 def test_pulse_of_a_function_is_not_stepped_over(first: float, last: float, method: str | None) -> None:
     """Three runs of the oracle, without, with and without the torque."""
     moments, spin, attitude = [1.0, 2.0, 3.0], [1.0, 0.5, 2.0], [0.0, 0.0, 0.0, 1.0]
     begun = RotationProblem(moments, spin, loads=(during(first, last),))
-    motion = solve_stepped(begun, [0.0, 20.0], 1e-6 if method else 1e-8, method)
-    for length, torque in ((first, 0.0 * PULSE), (last - first, PULSE), (20.0 - last, 0.0 * PULSE)):
+    motion = solve_stepped(begun, [0.0, 8.0], 1e-6 if method else 1e-8, method)
+    for length, torque in ((first, 0.0 * PULSE), (last - first, PULSE), (8.0 - last, 0.0 * PULSE)):
         if length:
             answer = rotate(moments, spin, [length], attitude=attitude, body_torque=torque.tolist())
             spin, attitude = (
@@ -119,7 +126,7 @@ def test_two_runs_that_miss_the_same_share_of_a_pulse_do_not_agree_on_the_claim(
         "moments": [3.297968453178947e-05, 6.686165365585966e-05, 8.128658377174037e-05],
         "angular_velocity": [0.6165806283458779, -0.5074774490302529, 0.6019094346115115],
     }
-    rows = np.unique(np.concatenate([[0.0, 3.0], np.linspace(middle - 6 * width, middle + 6 * width, 2001)]))
+    rows = np.unique(np.concatenate([[0.0, 3.0], np.linspace(middle - 6 * width, middle + 6 * width, 501)]))
     table = Torque(table=TorqueTable(rows, [bell(t) for t in rows.tolist()]))
     truth = solve_stepped(RotationProblem(**body, loads=(table,)), [0.0, 3.0], 1e-9)
     for accuracy in (1e-4, 4e-5, 1e-5):

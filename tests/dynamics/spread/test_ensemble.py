@@ -377,9 +377,12 @@ def test_a_dask_cluster_gives_the_same_draws() -> None:
 
 def test_a_worker_that_is_ended_is_an_error_that_says_so() -> None:
     scene = Scene.from_dict(TOP | {"load": [], "constraint": {"kind": "free"}, "run": {"duration": 0.01}})
-    ends = Torque(lambda time, attitude, omega: os._exit(9) if multiprocessing.parent_process() else np.zeros(3))
+    ends = Torque(
+        lambda time, attitude, omega: os._exit(9) if multiprocessing.parent_process() else np.zeros(3),
+        longest_step=0.01,
+    )
     with pytest.raises(GeometryError, match="a process that followed draws was ended"):
-        ensemble(replace(scene, applied_loads=(ends,)), {"body.mass": "±1%"}, 12, samples=2, jobs=2)
+        ensemble(replace(scene, applied_loads=(ends,)), {"body.mass": "±1%"}, 60, samples=2, jobs=2)
 
 
 def test_a_level_is_reached_when_the_closed_form_says() -> None:

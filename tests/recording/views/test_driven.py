@@ -136,7 +136,8 @@ def test_a_pendulum_goes_round_its_axle_and_runs_through_its_phase_portrait(tmp_
     recording = written(screen(run), tmp_path / "run.rrd")
     assert sorted(recording.views) == ["2D", "3D", "TextDocument", *6 * ["TimeSeries"]]
     time = recording.time(f"/{entities.CENTER}")
-    tilt = run.at(time).quantities["angle"] + np.radians(1.0)
+    there = run.at(time)
+    tilt = there.quantities["angle"] + np.radians(1.0)
     expected = 5.0 * np.stack([0.0 * tilt, -np.sin(tilt), np.cos(tilt)], axis=1)  # one unit is 0.1 m
     np.testing.assert_allclose(place(recording, f"/{entities.CENTER}"), expected, atol=1e-5)
     below, above = (
@@ -145,7 +146,7 @@ def test_a_pendulum_goes_round_its_axle_and_runs_through_its_phase_portrait(tmp_
     )
     np.testing.assert_allclose(below[:, 0], above[:, 0], atol=1e-4)
     potential = 9.80665 * 0.5 * np.cos(tilt)
-    rate = run.at(time).angular_velocity[:, 0]
+    rate = there.angular_velocity[:, 0]
     for drawn, values in ((above[:, 1], potential), (below[:, 1], rate), (below[:, 0], tilt)):
         slope, offset = np.polyfit(values, drawn, 1)
         np.testing.assert_allclose(drawn, slope * values + offset, atol=1e-3)

@@ -12,8 +12,10 @@ from inertia.balancing.arrangement import Answer, Choice
 from inertia.balancing.corrections.quiet_stdout import quiet_stdout
 from inertia.balancing.unbalance import Complex
 
+NODES = 200
+"""Nodes that a search looks at, at most."""
+
 _TANGENTS = 64
-_NODES = 200
 _ROUNDS = 20
 _ENOUGH = 1e-5  # of the limit, between a way and the bound
 _SLOW = 0.9  # of the gap before: another round is not worth its while
@@ -47,7 +49,7 @@ def by_program(choice: Choice, best: Answer) -> Answer:
                 integrality=np.append(np.ones(count), 0.0),
                 bounds=bounds,
                 constraints=LinearConstraint(np.array(rows), low, high),
-                options={"mip_rel_gap": 0.0, "node_limit": _NODES},
+                options={"mip_rel_gap": 0.0, "node_limit": NODES},
             )
         bound = max(bound, float(solution.mip_dual_bound or 0.0) - _INSIDE)
         if solution.x is None:

@@ -13,6 +13,7 @@ from contextvars import ContextVar
 from inertia.errors import FieldPath, GeometryError
 
 _FORECAST_AFTER = 1.0  # s, before which a loop is not judged by how far it has come
+_LOOK_EVERY = 0.01  # s of the clock on the wall: the clock of the process is slow to read on some systems
 _BY_FAR = 5.0  # times the time that is left, which a forecast must exceed: loops do not run evenly
 
 
@@ -45,12 +46,13 @@ class Watch:
 
     def __init__(self) -> None:
         self._limit = _limit.get()
-        self._began = time.process_time()
         self.limits = self._limit is not None
+        self._began = time.process_time() if self.limits else 0.0
+        self._next = 0.0
 
     @property
     def elapsed(self) -> float:
-        """Seconds since the loop began."""
+        """Seconds since the loop began, where there is a limit."""
         return time.process_time() - self._began
 
     @property
@@ -60,8 +62,9 @@ class Watch:
 
     def require(self, done: float) -> None:
         """Raise `GeometryError` where the time is up, or the fraction of the loop that is done says that it will be."""
-        if self._limit is None:
+        if self._limit is None or (now := time.perf_counter()) < self._next:
             return
+        self._next = now + _LOOK_EVERY
         elapsed, left = self.elapsed, self.left
         needed = elapsed / done if done > 0 else float("inf")
         if left > 0 and (elapsed < _FORECAST_AFTER or needed - elapsed < _BY_FAR * max(left, _FORECAST_AFTER)):

@@ -29,9 +29,8 @@ def dot(a: Sequence[mpf], b: Sequence[mpf]) -> mpf:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def rotate(vector: Sequence[mpf], axis: Sequence[mpf], angle: mpf) -> Vector:
-    """Turn a vector by Rodrigues' formula."""
-    c, s = mpmath.cos(angle), mpmath.sin(angle)
+def rotate(vector: Sequence[mpf], axis: Sequence[mpf], c: mpf, s: mpf) -> Vector:
+    """Turn a vector by Rodrigues' formula, by an angle of this cosine and sine."""
     across, along = cross(axis, vector), dot(axis, vector) * (1 - c)
     return [c * v + s * w + along * a for v, w, a in zip(vector, across, axis, strict=True)]
 
@@ -53,6 +52,13 @@ def value(joint: Joint, time: mpf) -> mpf:
     return values[k] * (1 - rise) + values[k + 1] * rise + length * (rates[k] * first + rates[k + 1] * last)
 
 
+def pose(joint: Joint, time: mpf) -> tuple[Vector, Vector, mpf, mpf, mpf]:
+    """Return axis and point of a joint, its value, and the cosine and sine of that."""
+    axis, point = ([mpf(float(a)) for a in vector] for vector in (joint.axis, joint.point))
+    size, moved = mpmath.sqrt(dot(axis, axis)), value(joint, time)
+    return [a / size for a in axis], point, moved, mpmath.cos(moved), mpmath.sin(moved)
+
+
 class Swarm:
     """The particles of an assembly."""
 
@@ -62,6 +68,7 @@ class Swarm:
         self.particles = [(part, m, x) for part in assembly.parts for m, x in self.split(part)]
         self.masses = [m for _, m, _ in self.particles]
         self.mass = sum(self.masses)
+        self.known: dict[mpf, tuple[mpmath.matrix, Vector, mpf]] = {}
 
     @staticmethod
     def split(part: JointedPart) -> Iterator[tuple[mpf, Vector]]:
@@ -76,21 +83,18 @@ class Swarm:
 
     def places(self, time: mpf) -> list[Vector]:
         """Return where the particles are, root axes."""
-        values = {joint: value(joint, time) for part in self.named.values() for joint in part.joints}
+        poses = {joint: pose(joint, time) for part in self.named.values() for joint in part.joints}
         out = []
         for part, _, start in self.particles:
             x, at = start, part
             while at.parent is not None:
                 for joint in reversed(at.joints):
-                    axis = [mpf(float(a)) for a in joint.axis]
-                    size = mpmath.sqrt(dot(axis, axis))
-                    axis = [a / size for a in axis]
+                    axis, point, moved, c, s = poses[joint]
                     if joint.revolute:
-                        point = [mpf(float(a)) for a in joint.point]
-                        arm = rotate([a - b for a, b in zip(x, point, strict=True)], axis, values[joint])
+                        arm = rotate([a - b for a, b in zip(x, point, strict=True)], axis, c, s)
                         x = [a + b for a, b in zip(arm, point, strict=True)]
                     else:
-                        x = [a + b * values[joint] for a, b in zip(x, axis, strict=True)]
+                        x = [a + b * moved for a, b in zip(x, axis, strict=True)]
                 at = self.named[at.parent]
             out.append(x)
         return out
@@ -104,16 +108,17 @@ class Swarm:
     def moments(self, time: mpf) -> tuple[mpmath.matrix, Vector, mpf]:
         """Return tensor, internal angular momentum and internal energy about the centre of mass, root axes."""
         before, after = (self.centered(time + k * self.tick) for k in (-1, 1))
-        tensor, momentum, energy = mpmath.zeros(3), [mpf(0)] * 3, mpf(0)
+        tensor, momentum, energy = [[mpf(0)] * 3 for _ in range(3)], [mpf(0)] * 3, mpf(0)
         for m, a, b in zip(self.masses, before, after, strict=True):
             x = [(p + q) / 2 for p, q in zip(b, a, strict=True)]
             v = [(p - q) / (2 * self.tick) for p, q in zip(b, a, strict=True)]
             momentum = [h + m * k for h, k in zip(momentum, cross(x, v), strict=True)]
             energy += m * dot(v, v) / 2
+            square = dot(x, x)
             for i in range(3):
                 for j in range(3):
-                    tensor[i, j] += m * ((i == j) * dot(x, x) - x[i] * x[j])
-        return tensor, momentum, energy
+                    tensor[i][j] += m * ((i == j) * square - x[i] * x[j])
+        return mpmath.matrix(tensor), momentum, energy
 
     def spin(self, time: mpf, attitude: Vector, momentum: Vector) -> Vector:
         """Return ω in root axes, L (space) being given."""
@@ -121,8 +126,13 @@ class Swarm:
         u = [-x, -y, -z]
         twice = cross(u, [a + w * b for a, b in zip(cross(u, momentum), momentum, strict=True)])
         inside = [a + 2 * b for a, b in zip(momentum, twice, strict=True)]
-        tensor, internal, _ = self.moments(time)
-        return list(mpmath.lu_solve(tensor, mpmath.matrix([a - b for a, b in zip(inside, internal, strict=True)])))
+        if time not in self.known:
+            self.known[time] = self.moments(time)
+        tensor, internal, _ = self.known[time]
+        left, rows = [a - b for a, b in zip(inside, internal, strict=True)], tensor.tolist()
+        columns = [cross(rows[i - 2], rows[i - 1]) for i in range(3)]
+        size = dot(rows[0], columns[0])
+        return [dot([column[k] for column in columns], left) / size for k in range(3)]
 
     def rate(self, time: mpf, attitude: Vector, momentum: Vector) -> Vector:
         """Return q̇ of a quaternion (x, y, z, w), root to space."""
@@ -163,7 +173,7 @@ class Swarm:
         h = length / count
         a, b = q, [x + h * y for x, y in zip(q, self.rate(time, q, momentum), strict=True)]
         for k in range(1, count):
-            a, b = b, [x + 2 * h * y for x, y in zip(a, self.rate(time + k * h, b, momentum), strict=True)]
+            a, b = b, [x + 2 * h * y for x, y in zip(a, self.rate(time + length * k / count, b, momentum), strict=True)]
         return [(x + y + h * z) / 2 for x, y, z in zip(a, b, self.rate(time + length, b, momentum), strict=True)]
 
 

@@ -46,6 +46,7 @@ def test_the_bounds_of_parts_are_a_bound_of_the_motion(turns: float) -> None:
                     mass=part.mass + random.choice([-1.0, 1.0]) * BOUNDS[0],
                     center_of_mass=part.center_of_mass + BOUNDS[1] * place / np.linalg.norm(place),
                     inertia=part.inertia + BOUNDS[2] * tensor / np.linalg.norm(tensor),
+                    bounds=(0.0, 0.0, 0.0),
                 )
             )
         moved = inertia.simulate(scene_of(others)).attitude

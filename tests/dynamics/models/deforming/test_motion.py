@@ -67,7 +67,7 @@ def test_two_coaxial_bodies_share_the_turn_as_their_moments() -> None:
 
 
 def test_a_skater_spins_faster_as_the_arms_come_in() -> None:
-    time = np.linspace(0, 6, 61)
+    time = np.linspace(0, 6, 25)
     motion = solve_deforming(skater(), time, 1e-12, angular_velocity=[0, 0, 8.0])
     trunk, arm = assemblies.SKATER_TRUNK * 0.15**2 / 2, assemblies.SKATER_ARM
     joint = skater().parts[1].joints[0]
@@ -78,7 +78,7 @@ def test_a_skater_spins_faster_as_the_arms_come_in() -> None:
     momentum = moment(mpmath.mpf(0)) * 8
     spin = np.array([float(momentum / moment(mpmath.mpf(t))) for t in time])
     np.testing.assert_allclose(motion.angular_velocity[:, 2], spin, rtol=1e-14)
-    assert motion.angular_velocity[25, 2] > 30  # 8 rad/s with the arms out
+    assert motion.angular_velocity[10, 2] > 30  # 8 rad/s with the arms out
     with mpmath.workdps(25):
         pieces = [
             mpmath.quad(lambda t: momentum / moment(t), [a, (a + b) / 2, b]) for a, b in pairwise(map(float, time))
@@ -88,7 +88,7 @@ def test_a_skater_spins_faster_as_the_arms_come_in() -> None:
     energy = 0.5 * float(momentum) * spin
     rates = np.array([float(mpmath.diff(lambda s: value(joint, s), mpmath.mpf(t))) for t in time])
     np.testing.assert_allclose(motion.quantities["kinetic energy"], energy + arm * rates**2, rtol=1e-9)
-    np.testing.assert_allclose(motion.quantities["work of the joints"][20:30], energy[20:30] - energy[0], rtol=1e-12)
+    np.testing.assert_allclose(motion.quantities["work of the joints"][8:12], energy[8:12] - energy[0], rtol=1e-12)
 
 
 def cat_attitude(bend: float, time: np.ndarray) -> np.ndarray:

@@ -21,7 +21,7 @@ def pendulum(moments: list[float], center: list[float], spin: list[float]) -> Sc
         "start": {"angular_velocity": spin, "attitude": [0.3, 0.1, 0.3, 0.9], "frame": "part"},
         "constraint": {"kind": "fixed_point"},
         "load": [{"kind": "gravity"}],
-        "run": {"duration": 4.0, "samples": 5},
+        "run": {"duration": 2.0, "samples": 3},
     })  # fmt: skip
 
 

@@ -74,16 +74,16 @@ def newton_and_euler(scene: Scene) -> tuple[Any, list[Any]]:
         drag = mu / mpmath.sqrt(dot(slip, slip) + slow * slow)
         pushed = [n - drag * u for n, u in zip(up, slip, strict=True)]
 
-        def pace(force: Any) -> tuple[list[Any], list[Any], Any]:
-            along = [force * x for x in pushed]
-            torque = cross(a, along)
-            gain = spin_of(r, [t - c for t, c in zip(torque, cross(w, momentum), strict=True)])
-            center = [f / m + g for f, g in zip(along, gravity, strict=True)]
-            ball = [x + p + o for x, p, o in zip(center, cross(gain, b), cross(w, cross(w, b)), strict=True)]
-            return center, torque, dot(ball, up)
+        lever, swept, inward = cross(a, pushed), cross(w, momentum), cross(w, cross(w, b))
 
-        without, unit = pace(mpmath.mpf(0))[2], pace(mpmath.mpf(1))[2]
-        center, torque, _ = pace(-without / (unit - without))
+        def pace(force: int) -> Any:
+            gain = spin_of(r, [force * t - c for t, c in zip(lever, swept, strict=True)])
+            center = [force * x / m + g for x, g in zip(pushed, gravity, strict=True)]
+            return dot([x + p + o for x, p, o in zip(center, cross(gain, b), inward, strict=True)], up)
+
+        without = pace(0)
+        force = -without / (pace(1) - without)
+        center, torque = [force * x / m + g for x, g in zip(pushed, gravity, strict=True)], [force * x for x in lever]
         p, o, t = w
         i, j, k, s = q
         turn = [

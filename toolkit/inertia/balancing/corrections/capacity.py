@@ -116,8 +116,9 @@ def _of_places(steps: Sequence[Steps], direction: float, enough: float, classes:
         last = np.searchsorted(each.settings, each.most[order] + 1e-9, side="right") - 1
         along = each.sizes[np.clip(last, 0, high - 1)] * np.cos(angles)
         value[:, group] = np.maximum(value[:, group], np.where(last >= low, along, -math.inf))
-    before = np.searchsorted(angles, angles[:, None, None] - classes.gaps + 1e-9, side="right")
-    every = np.arange(count)
+    # Of each class of the place before, for all angles and classes: where to look in `upto`.
+    before = np.searchsorted(angles, angles[:, None] - classes.gaps.T[:, None] + 1e-9, side="right")
+    before = before * count + np.arange(count)[:, None, None]
     best, reach = value, [0.0]
     for _ in range(_MOST_PLACES):
         most = float(best.max())
@@ -127,7 +128,7 @@ def _of_places(steps: Sequence[Steps], direction: float, enough: float, classes:
         if most > enough:
             break
         upto = np.vstack([np.full(count, -math.inf), np.maximum.accumulate(best, axis=0)])
-        best = value + upto[before, every].max(axis=2)
+        best = value + np.take(upto, before).max(axis=0)
     return np.array(reach)
 
 

@@ -130,14 +130,14 @@ def _material(bodies: Sequence[Body], tool: Tool, ray: Ray, angles: Float) -> tu
     first = np.searchsorted(number, np.arange(len(angles)))
     before = np.concatenate([[0], level])[first]
     enter, leave, into = (np.full(len(angles), math.nan) for _ in range(3))
+    met, opening = np.unique(number, return_index=True)
     closing = np.flatnonzero(~entering & (level == before[number]))
-    ends = np.searchsorted(number[closing], np.arange(len(angles)))
-    last = np.searchsorted(number, np.arange(len(angles)), side="right")
-    for k in np.flatnonzero(last > first).tolist():
-        ended = ends[k] < len(closing) and number[closing[ends[k]]] == k
-        if entering[first[k]] and (ended or tool.towards_shaft):
-            enter[k], into[k] = depth[first[k]], density[first[k]]
-            leave[k] = depth[closing[ends[k]]] if ended else tool.radius
+    until = np.full(len(angles), tool.radius if tool.towards_shaft else math.nan)
+    ended, ends = np.unique(number[closing], return_index=True)
+    until[ended] = depth[closing[ends]]
+    inside = entering[opening] & ~np.isnan(until[met])
+    met, opening = met[inside], opening[inside]
+    enter[met], leave[met], into[met] = depth[opening], until[met], density[opening]
     return enter, leave, into
 
 

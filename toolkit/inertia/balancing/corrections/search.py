@@ -77,8 +77,9 @@ def best_plan(places: Places, aim: float = 1.0) -> Plan:
 
     def attempt(number: int, open_below: float, below: float) -> Plan:
         result = best
+        if result.spots and places.late():  # however little time there is, one plan is made
+            return result
         for counts, least, vectors in sharing.ways(number, open_below):
-            # However little time there is, one plan is made.
             if counts not in solved and least <= below * (1 + _TIE) and not (result.spots and places.late()):
                 solved.add(counts)
                 spots, worst = _with_counts(places, sharing, listing, counts, vectors, least, below)

@@ -22,6 +22,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -315,9 +316,17 @@ def _turned(mounted: Complex, positions: Float) -> Complex:
 
 def _unlike(values: Complex, positions: Float) -> Complex:
     """Return values (runs, k) less what all runs have in common, of the tooling and of the rotor that turns on it."""
-    common = np.stack([np.ones(len(positions)), np.exp(1j * positions)], axis=1)
-    rest: Complex = values - common @ (np.linalg.pinv(common, rcond=_SAME) @ values)
+    common, inverse = _common(tuple(positions.tolist()))
+    rest: Complex = values - common @ (inverse @ values)
     return rest
+
+
+@lru_cache(maxsize=8)
+def _common(positions: tuple[float, ...]) -> tuple[Complex, Complex]:
+    """Return what all runs have in common (runs, 2), and its pseudo-inverse."""
+    common: Complex = np.stack([np.ones(len(positions)), np.exp(1j * np.array(positions))], axis=1)
+    inverse = np.asarray(np.linalg.pinv(common, rcond=_SAME), complex)
+    return common, inverse
 
 
 def mounted_weights(job: Job, weights: Complex) -> tuple[Complex, Complex]:

@@ -132,10 +132,10 @@ def _series(units: Units, state: Float, now: float, order: int) -> Float:
     series = np.zeros((order + 1, 13 + 3 * len(rows)))
     q, w, turn, slip = series[:, :4], series[:, 4:7], series[:, 7:10], series[:, 10:13]
     q[0], w[0] = state[:4], state[4:]
-    vectors = [series[:, at : at + 3] for at in range(13, series.shape[1], 3)]
-    for v, row in zip(vectors, rows, strict=True):
-        v[0] = quaternion.to_body(q[0], row[:3])
-    pulls = [np.zeros(3) for _ in rows]
+    vectors = series[:, 13:].reshape(order + 1, -1, 3)
+    vectors[0] = quaternion.to_body(q[0], rows[:, :3])
+    matrices, squares, weights = rows[:, 3:12].reshape(-1, 3, 3), rows[:, 12:15], rows[:, 15] + now * rows[:, 16]
+    pulls = np.zeros((len(rows), 3))
     apart = np.roll(moments, -1) - np.roll(moments, -2)
     for n in range(order):
         euler = apart * (w[: n + 1].T @ w[n::-1])[[1, 2, 0], [2, 0, 1]]
@@ -152,15 +152,16 @@ def _series(units: Units, state: Float, now: float, order: int) -> Float:
             torque = torque + packed[0:3] + now * packed[3:6]
         elif n == 1:
             torque = torque + packed[3:6]
-        for j, (v, row) in enumerate(zip(vectors, rows, strict=True)):
-            pull = row[3:12].reshape(3, 3) @ v[n] + _cross(v[: n + 1].T @ (v[n::-1] * row[12:15]))
-            torque = torque + (row[15] + now * row[16]) * pull + row[16] * pulls[j]
-            pulls[j] = pull
-            v[n + 1] = _cross(v[: n + 1].T @ back) / (n + 1)
+        before, pulls = pulls, (matrices @ vectors[n, :, :, None])[:, :, 0]
+        pulls += _cross(np.einsum("nki,nkj->kij", vectors[: n + 1], vectors[n::-1] * squares))
+        torque = torque + weights @ pulls + rows[:, 16] @ before
+        vectors[n + 1] = _cross((series[: n + 1, 13:].T @ back).reshape(-1, 3, 3)) / (n + 1)
         w[n + 1] = (euler + torque) / moments / (n + 1)
     return series
 
 
 def _cross(product: Float) -> Float:
-    """Return Σ a × b from the sums a_i b_j, (3, 3)."""
-    return np.array([product[1, 2] - product[2, 1], product[2, 0] - product[0, 2], product[0, 1] - product[1, 0]])
+    """Return Σ a × b, (…, 3), from the sums a_i b_j, (…, 3, 3)."""
+    first, second = [1, 2, 0], [2, 0, 1]
+    sums: Float = product[..., first, second] - product[..., second, first]
+    return sums

@@ -7,7 +7,7 @@ from dataclasses import field, replace
 
 import numpy as np
 
-from inertia.arrays import Float
+from inertia.arrays import Float, cross
 from inertia.dynamics.kinematics import quaternion
 from inertia.records import dataclass
 
@@ -95,8 +95,8 @@ class Terms:
 
 def torque(packed: Float, time: float, attitude: Float) -> Float:
     """Return the torque (3,) of packed terms at an attitude (4,), without damping."""
-    total: Float = packed[0:3] + time * packed[3:6]
-    for row in packed[HEAD:].reshape(-1, VECTOR):
-        v = quaternion.to_body(attitude, row[:3])
-        total = total + (row[15] + time * row[16]) * (row[3:12].reshape(3, 3) @ v + np.cross(v, row[12:15] * v))
+    rows = packed[HEAD:].reshape(-1, VECTOR)
+    v = quaternion.to_body(attitude, rows[:, :3])
+    pulls = (rows[:, 3:12].reshape(-1, 3, 3) @ v[:, :, None])[:, :, 0] + cross(v, rows[:, 12:15] * v)
+    total: Float = packed[0:3] + time * packed[3:6] + (rows[:, 15] + time * rows[:, 16]) @ pulls
     return total

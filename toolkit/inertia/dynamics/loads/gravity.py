@@ -7,7 +7,7 @@ from typing import Annotated
 
 import numpy as np
 
-from inertia.arrays import Float
+from inertia.arrays import Float, cross
 from inertia.documents import number, numbers
 from inertia.dynamics.integrators.terms import Terms
 from inertia.dynamics.kinematics import quaternion
@@ -49,7 +49,7 @@ class Gravity(Load):
 
     def torque_at(self, time: float, attitude: Float, angular_velocity: Float, body: TurningBody) -> Float:
         """Return c × m Rᵀg."""
-        return np.cross(body.arm, body.mass * quaternion.to_body(attitude, self.acceleration))
+        return cross(body.arm, body.mass * quaternion.to_body(attitude, self.acceleration))
 
     def potential(self, attitude: Float, body: TurningBody) -> Float:
         """Return −m g·(R c), zero with the centre of mass level with the reference point."""
@@ -132,6 +132,5 @@ class GravityGradient(Load):
 
 def across_gradient(toward: Float, moments: Float) -> Float:
     """Return r̂ × I r̂ (…, 3) from differences of moments, so that near equal ones keep their digits."""
-    x, y, z = np.moveaxis(toward, -1, 0)
-    a, b, c = moments
-    return np.stack([(c - b) * y * z, (a - c) * z * x, (b - a) * x * y], axis=-1)
+    following, after = [1, 2, 0], [2, 0, 1]
+    return (moments[after] - moments[following]) * toward[..., following] * toward[..., after]
