@@ -252,8 +252,7 @@ def test_a_rotor_within_its_tolerance_is_left_alone():
 
 def test_an_uncertain_axis_is_undecided_with_what_would_settle_it():
     data = edited(
-        axis="[axis]\nbearing_a = [0, 0, 20]\nbearing_b = [0, 0, 280]\nradial_uncertainty = 0.02\nrotation = 'cw'",
-        plan="[plan]\ntime = 1e-9",
+        axis="[axis]\nbearing_a = [0, 0, 20]\nbearing_b = [0, 0, 280]\nradial_uncertainty = 0.02\nrotation = 'cw'"
     )
     document = page(data)
     assert text(document.find(".//p[@class='outcome']")) == "UNDECIDED"

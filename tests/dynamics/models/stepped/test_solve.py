@@ -158,7 +158,7 @@ def test_motion_is_the_same_by_every_method() -> None:
     def weight(time: float, attitude: np.ndarray, spin: np.ndarray) -> np.ndarray:
         return np.cross([0.1, 0.2, 0.3], 0.5 * quaternion.to_body(attitude, [0.0, 0.0, -9.8]))
 
-    by_hand = RotationProblem(MOMENTS, SPIN, ATTITUDE, (Torque(weight),))
+    by_hand = RotationProblem(MOMENTS, SPIN, ATTITUDE, (Torque(weight, longest_step=1.0),))
     motion = solve_stepped(by_hand, TIMES, 1e-8)
     assert motion.method == "DOP853"
     assert known.truth.attitude_error(motion.attitude).max() < motion.reached

@@ -121,7 +121,8 @@ class Piece:
         problem, rate, start = self.problem, self.problem.rate, self.start
         last = np.nextafter(self.end, start)  # loads may jump at the end of the piece
         unit = problem.unit
-        return lambda time, state: problem.rhs(min(start + time / rate, last), state * unit) / (unit * rate)
+        per_time = unit * rate
+        return lambda time, state: problem.rhs(min(start + time / rate, last), state * unit) / per_time
 
 
 def pieces(problem: RotationProblem, time: Float, axes: tuple[int, ...] = (0, 1, 2)) -> list[Piece]:

@@ -117,7 +117,7 @@ class SlidingBall(RotationProblem):
         pull = -self._gravity[2] - (h1 * g1 + h2 * g2 + h3 * g3) - inward
         if pull < 0:  # the plane would have to hold the ball down: it then does so without friction
             drag = 0.0
-        d1, d2, d3 = (u - drag * (s * m + t * n) for u, m, n in ((n1, e1, f1), (n2, e2, f2), (n3, e3, f3)))
+        d1, d2, d3 = n1 - drag * (s * e1 + t * f1), n2 - drag * (s * e2 + t * f2), n3 - drag * (s * e3 + t * f3)
         m1, m2, m3 = a2 * d3 - a3 * d2, a3 * d1 - a1 * d3, a1 * d2 - a2 * d1
         share = 1.0 / self.mass + h1 * m1 + h2 * m2 + h3 * m3
         if share <= 0:
