@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -18,12 +19,16 @@ from inertia_meshes import path
 FILES = [str(path(name)) for name in ("broken/nan.stl", "cube.stl", "broken/truncated.stl", "t_handle.stl")]
 
 
+def copies(folder: Path) -> str:
+    """Write seven copies of sound and broken meshes, and return a glob of them."""
+    for number, file in enumerate((FILES * 2)[:7]):
+        (folder / f"part{number}.stl").write_bytes(Path(file).read_bytes())
+    return f"{folder}/part*.stl"
+
+
 @pytest.fixture
 def parts(tmp_path: Path) -> str:
-    """A glob of seven copies of sound and broken meshes."""
-    for number, file in enumerate((FILES * 2)[:7]):
-        (tmp_path / f"part{number}.stl").write_bytes(Path(file).read_bytes())
-    return f"{tmp_path}/part*.stl"
+    return copies(tmp_path)
 
 
 def batch(*arguments: str | Path) -> int:
@@ -198,12 +203,27 @@ def test_what_is_missing_of_a_table_to_be_merged_is_named(tmp_path: Path, capsys
         assert "all.csv" not in error
 
 
-@pytest.fixture
-def shards(parts: str, tmp_path: Path) -> list[Path]:
-    tables = [tmp_path / f"shard{k}.jsonl" for k in (1, 2)]
+def in_two(parts: str, folder: Path) -> list[Path]:
+    """Write the tables of two shards, and return them."""
+    tables = [folder / f"shard{k}.jsonl" for k in (1, 2)]
     for number, table in enumerate(tables, 1):
         batch(parts, "-o", table, "--shard", f"{number}/2")
     return tables
+
+
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    folder = tmp_path_factory.mktemp("sound")
+    return in_two(copies(folder), folder)
+
+
+@pytest.fixture
+def shards(sound: list[Path], tmp_path: Path) -> list[Path]:
+    """Tables of two shards, to be damaged."""
+    for table in sound:
+        for file in (table, table.with_name(f"{table.name}.meta.json")):
+            shutil.copy(file, tmp_path)
+    return [tmp_path / table.name for table in sound]
 
 
 @pytest.mark.parametrize(
@@ -263,8 +283,10 @@ def test_a_shard_that_does_not_say_what_it_is_of_is_named(
 
 
 def test_shards_of_a_folder_that_grew_are_no_whole(
-    shards: list[Path], parts: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    parts: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    shards = in_two(parts, tmp_path)
+    assert batch("--merge", *shards, "-o", tmp_path / "whole.jsonl") == 0
     (tmp_path / "part00.stl").write_bytes(path("cube.stl").read_bytes())
     batch(parts, "-o", shards[1], "--shard", "2/2", "--force")
     assert batch("--merge", *shards, "-o", tmp_path / "all.jsonl") == 2

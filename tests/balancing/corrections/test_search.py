@@ -168,7 +168,7 @@ class TestBruteForce:
             vectors = (
                 start[:, None, None] + levers[:, :1, None] * tables[0][0][:, None] + levers[:, 1:, None] * tables[1][0]
             )
-            left = np.abs(vectors) / LIMIT
+            left = np.sqrt(vectors.real**2 + vectors.imag**2) / LIMIT
             number = number + tables[1][1]
         worst = left.max(axis=0)
         if (worst <= 1).any():
