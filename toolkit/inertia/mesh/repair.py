@@ -135,6 +135,7 @@ def repair(
     bounded : whether cracks are merged that are wider, of up to a thousandth of the diagonal of the part's box, if that
         closes the surface, open pieces that bound nothing are left out, and shells are turned though they share space
         with others: what that leaves open is the doubt of the change; closures of a hole stay near it then
+    alike : whether all regions are of one density, so that it does not matter which of them has what several claim
 
     Raises
     ------
