@@ -1,7 +1,8 @@
 """The compiled kernels that sum the moments of triangles with the digits that float64 loses.
 
-Imported only to be compiled (`inertia.native`); `inertia.mass.triangles.fine_sums` says how. The work on a row of lanes
-goes through the memory `hold`, step by step, as it has three times the numbers that a processor has registers for.
+Imported only to be compiled (`inertia.native`); `inertia.mass.triangles.fine_sums` says how. All that is done with the
+triangles of a row of lanes is one loop, as storing what lies between its steps takes longer than they do; but where
+coordinates are sheared, along axes that are not known before: these go through the memory `hold`.
 """
 
 from __future__ import annotations
@@ -18,9 +19,8 @@ HIGH, LOW, EDGES, SIZE, AREA = 0, 10, 20, 23, 24
 LEAST, MOST, FAR, ROWS = 25, 28, 31, 33
 """Rows of the least and the largest coordinates, of the largest |A| along the two sheared axes; of all."""
 
-A, R, D, N, START, HALF, ROOM = 0, 9, 18, 22, 25, 35, 44
-"""Rows of `hold`: corners on the grid, what is left of them; d, its remainder, both, twice both; the normal; what the
-ten sums start from. Then, of two corners, the sums of either, and in `HALF` the former with half of the latter."""
+START, A, R, N, ROOM = 0, 10, 19, 28, 31
+"""Rows of `hold`: what the ten sums start from; of what is sheared, corners on the grid, what is left, the normal."""
 
 TOP = 1.5 * 2.0**52
 """Times a step of a grid: what rounds to that grid where it is added."""
@@ -65,12 +65,117 @@ def put(fine, k, j, d, low_d, both, high, low):
 
 
 @njit(inline="always")
+def near(value, top):
+    """Return the multiple of a grid that is nearest."""
+    return (value + top) - top
+
+
+@njit(inline="always")
+def twos(numbers):
+    """Return the sums of two of three numbers."""
+    a, b, c = numbers
+    return a + b, b + c, c + a
+
+
+@njit(inline="always")
+def along(fine, k, j, d, low, both, corners, left):
+    """Add to the first moment and to the second one along an axis."""
+    (ab, bc, ca), (rs, st, tr) = twos(corners), twos(left)
+    put(fine, 1 + k, j, d, low, both, ab + corners[2], rs + left[2])
+    square = fma(ab, ab, fma(bc, bc, ca * ca))
+    more = fma(rs, fma(0.5, rs, ab), fma(st, fma(0.5, st, bc), tr * fma(0.5, tr, ca)))
+    put(fine, 4 + k, j, d, low, 2.0 * both, square, more)
+
+
+@njit(inline="always")
+def across(fine, row, j, d, low, both, corners, left, others, rest):
+    """Add to the second moment of two axes."""
+    (ab, bc, ca), (rs, st, tr) = twos(corners), twos(left)
+    (de, ef, fd), (uv, vw, wu) = twos(others), twos(rest)
+    product = fma(ab, de, fma(bc, ef, ca * fd))
+    more = fma(ab, uv, fma(bc, vw, ca * wu))
+    more = fma(rs, de + uv, fma(st, ef + vw, fma(tr, fd + wu, more)))
+    put(fine, row, j, d, low, both, product, more)
+
+
+@njit(inline="always")
+def triangle(fine, j, top, x, y, z, left):
+    """Add a triangle to a lane and return its normal; its corners along an axis are on the grid, but for what is left.
+
+    The extents and the area are not added.
+    """
+    (ax, bx, cx), (ay, by, cy), (az, bz, cz) = x, y, z
+    (rx, sx, tx), (ry, sy, ty), (rz, sz, tz) = left
+    ux, uy, uz = bx - ax, by - ay, bz - az
+    vx, vy, vz = cx - ax, cy - ay, cz - az
+    px, py, pz = sx - rx, sy - ry, sz - rz
+    qx, qy, qz = tx - rx, ty - ry, tz - rz
+    wx, wy, wz = vx + qx, vy + qy, vz + qz
+    fine[EDGES, j] = fma(ux, ux, fma(vx, vx, fine[EDGES, j]))
+    fine[EDGES + 1, j] = fma(uy, uy, fma(vy, vy, fine[EDGES + 1, j]))
+    fine[EDGES + 2, j] = fma(uz, uz, fma(vz, vz, fine[EDGES + 2, j]))
+    nx, ny, nz = fma(uy, vz, -(uz * vy)), fma(uz, vx, -(ux * vz)), fma(ux, vy, -(uy * vx))
+    mx = fma(uy, qz, fma(-uz, qy, fma(py, wz, -(pz * wy))))
+    my = fma(uz, qx, fma(-ux, qz, fma(pz, wx, -(px * wz))))
+    mz = fma(ux, qy, fma(-uy, qx, fma(px, wy, -(py * wx))))
+    e = fma(ax, nx, top)
+    f = fma(ay, ny, e)
+    g = fma(az, nz, f)
+    d = g - top
+    low = fma(ax, nx, top - e) + fma(ay, ny, e - f) + fma(az, nz, f - g)
+    low = fma(ax, mx, fma(ay, my, fma(az, mz, low)))
+    nx, ny, nz = nx + mx, ny + my, nz + mz
+    low = fma(rx, nx, fma(ry, ny, fma(rz, nz, low)))
+    fine[HIGH, j] += d
+    fine[LOW, j] += low
+    fine[SIZE, j] += abs(d)
+    both, (r, s, t) = d + low, left
+    along(fine, 0, j, d, low, both, x, r)
+    along(fine, 1, j, d, low, both, y, s)
+    along(fine, 2, j, d, low, both, z, t)
+    across(fine, 7, j, d, low, both, y, s, z, t)
+    across(fine, 8, j, d, low, both, z, t, x, r)
+    across(fine, 9, j, d, low, both, x, r, y, s)
+    return nx, ny, nz
+
+
+@njit(inline="always")
+def area(x, y, z):
+    """Return |n|."""
+    return np.sqrt(fma(x, x, fma(y, y, z * z)))
+
+
+@njit(inline="always")
+def add_plain(corner, fine, top, origin, steps):
+    """Add one triangle to each lane, as it is stored."""
+    x, y, z = origin
+    f, g, h = TOP * steps[0], TOP * steps[1], TOP * steps[2]
+    for j in range(LANES):
+        ax, ay, az = corner[0, j], corner[1, j], corner[2, j]
+        bx, by, bz = corner[3, j], corner[4, j], corner[5, j]
+        cx, cy, cz = corner[6, j], corner[7, j], corner[8, j]
+        fine[LEAST, j] = lowered(fine[LEAST, j], ax, bx, cx)
+        fine[MOST, j] = raised(fine[MOST, j], ax, bx, cx)
+        fine[LEAST + 1, j] = lowered(fine[LEAST + 1, j], ay, by, cy)
+        fine[MOST + 1, j] = raised(fine[MOST + 1, j], ay, by, cy)
+        fine[LEAST + 2, j] = lowered(fine[LEAST + 2, j], az, bz, cz)
+        fine[MOST + 2, j] = raised(fine[MOST + 2, j], az, bz, cz)
+        rx, sx, tx = near(ax, f), near(bx, f), near(cx, f)
+        ry, sy, ty = near(ay, g), near(by, g), near(cy, g)
+        rz, sz, tz = near(az, h), near(bz, h), near(cz, h)
+        left = (ax - rx, bx - sx, cx - tx), (ay - ry, by - sy, cy - ty), (az - rz, bz - sz, cz - tz)
+        on_x, on_y, on_z = (rx - x, sx - x, tx - x), (ry - y, sy - y, ty - y), (rz - z, sz - z, tz - z)
+        nx, ny, nz = triangle(fine, j, top, on_x, on_y, on_z, left)
+        fine[AREA, j] += area(nx, ny, nz)
+
+
+@njit(inline="always")
 def place(corner, hold, fine, k, origin, step):
     """Split the coordinates along an axis into multiples of the grid, about its origin, and what is left."""
     top = TOP * step
     for j in range(LANES):
         a, b, c = corner[k, j], corner[3 + k, j], corner[6 + k, j]
-        f, g, h = (a + top) - top, (b + top) - top, (c + top) - top
+        f, g, h = near(a, top), near(b, top), near(c, top)
         hold[A + k, j], hold[A + 3 + k, j], hold[A + 6 + k, j] = f - origin, g - origin, h - origin
         hold[R + k, j], hold[R + 3 + k, j], hold[R + 6 + k, j] = a - f, b - g, c - h
         fine[LEAST + k, j] = lowered(fine[LEAST + k, j], a, b, c)
@@ -82,7 +187,7 @@ def shear(hold, fine, axes, factors, finer, finest):
     """Make x_j − p x_i and x_k − q x_i − r x_j of x_j and x_k, and split them anew."""
     i, j, k = axes
     p, q, r = factors
-    near, far = TOP * finer, TOP * finest
+    one, other = TOP * finer, TOP * finest
     for corner in range(0, 9, 3):
         for n in range(LANES):
             a, b, c = hold[A + corner + i, n], hold[A + corner + j, n], hold[A + corner + k, n]
@@ -91,7 +196,7 @@ def shear(hold, fine, axes, factors, finer, finest):
             w = fma(-r, v, fma(-q, u, w))
             b = fma(-p, a, b)
             v = fma(-p, u, v)
-            f, g = ((b + v) + near) - near, ((c + w) + far) - far
+            f, g = near(b + v, one), near(c + w, other)
             hold[A + corner + j, n], hold[A + corner + k, n] = f, g
             hold[R + corner + j, n], hold[R + corner + k, n] = (b - f) + v, (c - g) + w
             fine[FAR, n], fine[FAR + 1, n] = max(fine[FAR, n] + 0.0, abs(f)), max(fine[FAR + 1, n] + 0.0, abs(g))
@@ -108,82 +213,16 @@ def unshear(hold, axes, factors):
 
 
 @njit(inline="always")
-def areas(hold, fine):
-    """Add |n|."""
+def add_sheared(hold, fine, top, axes, factors):
+    """Add one triangle to each lane, of corners that are split and sheared."""
     for j in range(LANES):
-        x, y, z = hold[N, j], hold[N + 1, j], hold[N + 2, j]
-        fine[AREA, j] += np.sqrt(fma(x, x, fma(y, y, z * z)))
-
-
-@njit(inline="always")
-def volumes(hold, fine, top):
-    """Form d and its remainder, and what the bounds need."""
+        x, r = (hold[A, j], hold[A + 3, j], hold[A + 6, j]), (hold[R, j], hold[R + 3, j], hold[R + 6, j])
+        y, s = (hold[A + 1, j], hold[A + 4, j], hold[A + 7, j]), (hold[R + 1, j], hold[R + 4, j], hold[R + 7, j])
+        z, t = (hold[A + 2, j], hold[A + 5, j], hold[A + 8, j]), (hold[R + 2, j], hold[R + 5, j], hold[R + 8, j])
+        hold[N, j], hold[N + 1, j], hold[N + 2, j] = triangle(fine, j, top, x, y, z, (r, s, t))
+    unshear(hold, axes, factors)
     for j in range(LANES):
-        ax, ay, az = hold[A, j], hold[A + 1, j], hold[A + 2, j]
-        rx, ry, rz = hold[R, j], hold[R + 1, j], hold[R + 2, j]
-        ux, uy, uz = hold[A + 3, j] - ax, hold[A + 4, j] - ay, hold[A + 5, j] - az
-        vx, vy, vz = hold[A + 6, j] - ax, hold[A + 7, j] - ay, hold[A + 8, j] - az
-        px, py, pz = hold[R + 3, j] - rx, hold[R + 4, j] - ry, hold[R + 5, j] - rz
-        qx, qy, qz = hold[R + 6, j] - rx, hold[R + 7, j] - ry, hold[R + 8, j] - rz
-        wx, wy, wz = vx + qx, vy + qy, vz + qz
-        fine[EDGES, j] = fma(ux, ux, fma(vx, vx, fine[EDGES, j]))
-        fine[EDGES + 1, j] = fma(uy, uy, fma(vy, vy, fine[EDGES + 1, j]))
-        fine[EDGES + 2, j] = fma(uz, uz, fma(vz, vz, fine[EDGES + 2, j]))
-        nx, ny, nz = fma(uy, vz, -(uz * vy)), fma(uz, vx, -(ux * vz)), fma(ux, vy, -(uy * vx))
-        mx = fma(uy, qz, fma(-uz, qy, fma(py, wz, -(pz * wy))))
-        my = fma(uz, qx, fma(-ux, qz, fma(pz, wx, -(px * wz))))
-        mz = fma(ux, qy, fma(-uy, qx, fma(px, wy, -(py * wx))))
-        e = fma(ax, nx, top)
-        f = fma(ay, ny, e)
-        g = fma(az, nz, f)
-        d = g - top
-        low = fma(ax, nx, top - e) + fma(ay, ny, e - f) + fma(az, nz, f - g)
-        low = fma(ax, mx, fma(ay, my, fma(az, mz, low)))
-        low = fma(rx, nx + mx, fma(ry, ny + my, fma(rz, nz + mz, low)))
-        fine[HIGH, j] += d
-        fine[LOW, j] += low
-        fine[SIZE, j] += abs(d)
-        hold[N, j], hold[N + 1, j], hold[N + 2, j] = nx + mx, ny + my, nz + mz
-        hold[D, j], hold[D + 1, j], hold[D + 2, j], hold[D + 3, j] = d, low, d + low, 2.0 * (d + low)
-
-
-@njit(inline="always")
-def along(hold, fine, k):
-    """Add to the first moment and to the second one along an axis; leave sums of two corners in place of these."""
-    for j in range(LANES):
-        a, b, c = hold[A + k, j], hold[A + 3 + k, j], hold[A + 6 + k, j]
-        r, s, t = hold[R + k, j], hold[R + 3 + k, j], hold[R + 6 + k, j]
-        d, low, both, twice = hold[D, j], hold[D + 1, j], hold[D + 2, j], hold[D + 3, j]
-        ab, bc, ca = a + b, b + c, c + a
-        rs, st, tr = r + s, s + t, t + r
-        f, g, h = fma(0.5, rs, ab), fma(0.5, st, bc), fma(0.5, tr, ca)
-        put(fine, 1 + k, j, d, low, both, ab + c, rs + t)
-        put(fine, 4 + k, j, d, low, twice, fma(ab, ab, fma(bc, bc, ca * ca)), fma(rs, f, fma(st, g, tr * h)))
-        hold[A + k, j], hold[A + 3 + k, j], hold[A + 6 + k, j] = ab, bc, ca
-        hold[R + k, j], hold[R + 3 + k, j], hold[R + 6 + k, j] = rs, st, tr
-        hold[HALF + k, j], hold[HALF + 3 + k, j], hold[HALF + 6 + k, j] = f, g, h
-
-
-@njit(inline="always")
-def across(hold, fine, row, k, m):
-    """Add to the second moment of two axes, of sums of two corners."""
-    for j in range(LANES):
-        high = fma(
-            hold[A + k, j],
-            hold[A + m, j],
-            fma(hold[A + 3 + k, j], hold[A + 3 + m, j], hold[A + 6 + k, j] * hold[A + 6 + m, j]),
-        )
-        low = fma(
-            hold[HALF + k, j],
-            hold[R + m, j],
-            fma(hold[HALF + 3 + k, j], hold[R + 3 + m, j], hold[HALF + 6 + k, j] * hold[R + 6 + m, j]),
-        )
-        low = fma(
-            hold[R + k, j],
-            hold[HALF + m, j],
-            fma(hold[R + 3 + k, j], hold[HALF + 3 + m, j], fma(hold[R + 6 + k, j], hold[HALF + 6 + m, j], low)),
-        )
-        put(fine, row, j, hold[D, j], hold[D + 1, j], hold[D + 2, j], high, low)
+        fine[AREA, j] += area(hold[N, j], hold[N + 1, j], hold[N + 2, j])
 
 
 @njit(inline="always")
@@ -196,21 +235,14 @@ def of_axis(axis, numbers):
 @njit(inline="always")
 def add(corner, hold, fine, origin, steps, unit, axes, factors, finer):
     """Add one triangle to each lane."""
+    if axes[0] < 0:
+        add_plain(corner, fine, TOP * unit, origin, steps)
+        return
     place(corner, hold, fine, 0, origin[0], steps[0])
     place(corner, hold, fine, 1, origin[1], steps[1])
     place(corner, hold, fine, 2, origin[2], steps[2])
-    if axes[0] >= 0:
-        shear(hold, fine, axes, factors, of_axis(axes[1], finer), of_axis(axes[2], finer))
-    volumes(hold, fine, TOP * unit)
-    if axes[0] >= 0:
-        unshear(hold, axes, factors)
-    areas(hold, fine)
-    along(hold, fine, 0)
-    along(hold, fine, 1)
-    along(hold, fine, 2)
-    across(hold, fine, 7, 1, 2)
-    across(hold, fine, 8, 2, 0)
-    across(hold, fine, 9, 0, 1)
+    shear(hold, fine, axes, factors, of_axis(axes[1], finer), of_axis(axes[2], finer))
+    add_sheared(hold, fine, TOP * unit, axes, factors)
 
 
 @njit(inline="always")
@@ -238,7 +270,7 @@ def sum_facets(records, count, x, y, z, dx, dy, dz, unit, first, second, third, 
     """Sum `count` binary STL records, about (x, y, z) on the grid of steps (dx, dy, dz) and, sheared, (ex, ey, ez)."""
     room = carray(scratch, (9 + ROWS + ROOM, LANES), np.float64)
     corner, fine, hold = room[:9], room[9 : 9 + ROWS], room[9 + ROWS :]
-    start = hold[START:]
+    start = hold[START:A]
     origin, steps, finer = (x, y, z), (dx, dy, dz), (ex, ey, ez)
     axes, factors = (first, second, third), (k, m, n)
     prepare(start, ex, ey, ez, unit)
@@ -260,7 +292,7 @@ def sum_faces(
     faces = carray(faces_at, (count, 3), np.int64)
     room = carray(scratch, (9 + ROWS + ROOM, LANES), np.float64)
     corner, fine, hold = room[:9], room[9 : 9 + ROWS], room[9 + ROWS :]
-    start = hold[START:]
+    start = hold[START:A]
     origin, steps, finer = (x, y, z), (dx, dy, dz), (ex, ey, ez)
     axes, factors = (first, second, third), (k, m, n)
     prepare(start, ex, ey, ez, unit)

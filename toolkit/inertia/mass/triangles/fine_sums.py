@@ -14,16 +14,16 @@ and thickness: that keeps volumes, and moments are brought back in rational arit
 that multiples of the steps stay integers, now of a finer step, on which what is left of them is split again.
 
 Bounds, per triangle, lengths in steps, with R the farthest A, e the magnitudes of the coordinates of two edges u and v,
-S = 3 R, g the step of the grid of d. The remainder of a normal's coordinate x is below T = e_y + e_z + 2 and off by
-6 u T. With P = Σ R T over the three axes, that of d is off by ε = u (12.1 P + 4.1 R e + 7 (e + 3) + 14 g): six u in
-T, six fused additions, those of the normal itself, and the residues of the three products on the grid. Its magnitude l
-is at most P + Σ (|n| + T) / 2 + 1.5 g. The remainder of a product with a bracket B ≤ 12 R² is off by
-ε B + u (2 B l + 84 R |d|) and one and a half u steps of its sum's grid: six remainders of half a step or less that are
-added in pairs (12 R), six numbers they multiply (12 R), six fused additions (42 R), d and the last addition (18 R). It
-passes through 42 additions (32 down a lane, five across the lanes, four and one across the blocks), each off by u of
-B l + 12 R |d| and half such a step. With s for the bracket it is S for B. The sums of e, T and |n| over the triangles
-are had from those of the squares of the edges, by Cauchy's inequality. No step of this holds unless Σ |d| is below
-2⁵⁰ g, and so is what the three terms of one d can be, 24 times the product of the three R.
+S = 3 R, g the step of the grid of d. The remainder of a normal's coordinate x is below T = e_y + e_z + 2 and off by 6 u
+T. With P = Σ R T over the three axes, that of d is off by ε = u (12.1 P + 4.1 R e + 7 (e + 3) + 14 g): six u in T, six
+fused additions, those of the normal itself, and the residues of the three products on the grid. Its magnitude l is at
+most P + Σ (|n| + T) / 2 + 1.5 g. The remainder of a product with a bracket B ≤ 12 R² is off by ε B + u (2 B l + 84 R
+|d|) and one and a half u steps of its sum's grid: six remainders of half a step or less that are added in pairs (12 R),
+at most six numbers they multiply (12 R), six fused additions (42 R), d and the last addition (18 R). It passes through
+42 additions (32 down a lane, five across the lanes, four and one across the blocks), each off by u of B l + 12 R |d|
+and half such a step. With s for the bracket it is S for B. The sums of e, T and |n| over the triangles are had from
+those of the squares of the edges, by Cauchy's inequality. No step of this holds unless Σ |d| is below 2⁵⁰ g, and so is
+what the three terms of one d can be, 24 times the product of the three R.
 
 A sheared coordinate is off by m = u (2 ρ + 1), where the remainders that it is made of are at most ρ of its steps.
 Every corner at one place is moved alike: the surface stays closed, and an integral of f over the solid changes by at
@@ -53,7 +53,7 @@ KERNEL = BlockKernel(
     Kernel("inertia.mass.triangles.fine_kernel", "sum_facets", "pi" + _ABI, wide=True),
     Kernel("inertia.mass.triangles.fine_kernel", "sum_faces", "ppi" + _ABI, wide=True),
     columns=ROWS,
-    room=44,
+    room=31,
 )
 
 _SAMPLE = Kernel("inertia.mass.triangles.sample_kernel", "measure_sample", "piip")
