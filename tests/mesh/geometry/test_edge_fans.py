@@ -1,5 +1,6 @@
 """Triangles around an edge, sorted by exact angles: against cross products in fractions."""
 
+from collections.abc import Iterator
 from fractions import Fraction
 from functools import cmp_to_key
 from itertools import pairwise
@@ -10,10 +11,11 @@ from scipy.spatial.transform import Rotation
 
 from inertia.mesh.cut import block
 from inertia.mesh.geometry.closure import closure
-from inertia.mesh.geometry.edge_fans import crowded, fans
+from inertia.mesh.geometry.edge_fans import SORT, crowded, fans
 from inertia.mesh.geometry.faces import merge_equal_vertices
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.surface import Surface
+from inertia.native import COMPILE_ABOVE
 
 
 def sorted_by_angle(points: np.ndarray) -> list[int]:
@@ -131,3 +133,55 @@ def test_solids_side_by_side_at_an_edge_do_not_lie_on_one_another() -> None:
         alike = np.zeros(24, np.int64)
         found, _ = crowded(vertices, faces, half_edges(faces), alike, alike > 0, 1e-6)
         assert found.tolist() == []
+
+
+SIZES = 6
+"""Meshes after which the next is as large as the first."""
+
+
+def fan_meshes(rng: np.random.Generator) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Yield half-planes anywhere, at eighths of a turn, a rounding apart, of many triangles and of none; and cubes."""
+    eighths = np.arange(8) * np.pi / 4
+    for count in (3, 9, 40, 80):
+        close = 1 + 2.0**-52 * rng.integers(0, 6, count)
+        few = rng.normal(size=(3, 2))
+        for points in (
+            rng.normal(size=(count, 2)),
+            np.round(3 * np.column_stack([np.cos(eighths), np.sin(eighths)])[rng.integers(0, 8, count)]),
+            np.vstack([[1, 0.5], np.column_stack([-close, np.full(count, -0.5)])]),
+            few[rng.integers(0, 3, count)] * rng.choice([0.0, 0.5, 1, 2], (count, 1)),
+        ):
+            vertices, faces = around(points)
+            vertices[2:, 2] = rng.choice([0.25, 0.5, 3], len(points))
+            turned = vertices @ Rotation.random(random_state=rng).as_matrix().T
+            single = turned.astype(np.float32).astype(float)
+            for mesh in (vertices, turned, single, 1e-150 * turned, 1e-95 * turned, 1e95 * turned):
+                yield mesh, rng.permutation(faces)
+    cubes = np.concatenate([block(place, np.eye(3)).corners() for place in np.ndindex(3, 3, 3)])
+    yield cubes.reshape(-1, 3), np.arange(3 * len(cubes)).reshape(-1, 3)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_compiled_fans_are_those_of_numpy(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half-planes and their order are the same, angles, heights and blurs to rounding, whatever is asked together."""
+    assert SORT.worthwhile(COMPILE_ABOVE)  # and so for few from now on
+    rng = np.random.default_rng(seed)
+    parts = [merge_equal_vertices(Surface(*mesh)) for mesh in fan_meshes(rng)]
+    parts = [(vertices, faces[(np.diff(np.sort(faces)) > 0).all(axis=1)]) for vertices, faces in parts]
+    for each in [[part] for part in parts] + [parts[k::SIZES] for k in range(SIZES)]:
+        vertices = np.concatenate([vertices for vertices, _ in each])
+        starts = np.cumsum([0, *(len(vertices) for vertices, _ in each)])
+        faces = np.concatenate([faces + start for (_, faces), start in zip(each, starts, strict=False)])
+        edges = half_edges(faces)
+        asked = rng.permutation(np.flatnonzero((edges.uses > 2)[edges.edge]))
+        found = []
+        for native in ("1", "0"):
+            monkeypatch.setenv("INERTIA_NATIVE", native)
+            result = fans(vertices, faces, edges, asked, edges.edge[asked])
+            assert (np.diff(result.opens.astype(int))[np.diff(result.plane) == 0] >= 0).all()
+            found.append(result.select(np.lexsort((result.half_edge, result.plane))))
+        one, other = found
+        for name in ("half_edge", "group", "plane", "opens"):
+            assert np.array_equal(getattr(one, name), getattr(other, name))
+        for name, rounding in (("angle", 1e-13), ("height", 0.0), ("blur", 0.0)):
+            assert getattr(one, name) == pytest.approx(getattr(other, name), rel=1e-12, abs=rounding)

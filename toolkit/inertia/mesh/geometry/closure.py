@@ -155,5 +155,5 @@ def vectorised_closure(triangles: Triangles) -> Closure:
     first, number = np.unique(piece, return_inverse=True)
     labels[whole] = number
     open_edges, many = int(np.abs(edges.surplus).sum()), edges.uses > 2
-    at_many = whole[np.unique(np.flatnonzero(many[edges.edge]) // 3)]
+    at_many = whole[many[edges.edge].reshape(-1, 3).any(axis=1)]
     return Closure(open_edges, len(first), labels, len(faces) - len(whole), int(many.sum()), at_many)

@@ -18,8 +18,12 @@ from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.contact_depth import CONTACT, are_single, last_digits
 from inertia.mesh.geometry.halfedges import HalfEdges
 from inertia.mesh.geometry.triangle_pairs import Sign, orient3d
+from inertia.native import Kernel, place
 from inertia.records import dataclass
 
+SORT = Kernel("inertia.mesh.geometry.fan_kernel", "sort_fans", "pipippi" + "ppppp" + "ppppp" + "pp")
+_WORK = 4  # times what integrating a triangle costs
+_MOST, _ROOM = 64, 18 + 192  # as the kernel has them
 _AT_ONCE = 1 << 18  # signs decided at a time
 _TELLING = 1e-12  # of the lengths of two sides: above a thousand times what the rounding of their product is
 
@@ -58,6 +62,56 @@ _Tie = tuple[tuple[int, list[int]], tuple[int, list[int]]]
 
 def fans(vertices: Float, faces: Int, edges: HalfEdges, half_edge: Int, group: Int) -> Fans:
     """Sort directed edges by angle; those of one group (k,) run along one edge, one way or the other."""
+    largest, single, left = 0.0, True, np.ones(len(group), bool)
+    parts = []
+    if SORT.worthwhile(_WORK * len(group)):
+        around, left, largest, single = _compiled(vertices, faces, half_edge, group)
+        parts.append(around)
+    if left.any() or not parts:
+        around, points = _vectorised(vertices, faces, edges, half_edge[left], group[left])
+        parts.append(around)
+        largest, single = max(largest, float(np.abs(points).max(initial=0.0))), single and are_single(points)
+    around = parts[0] if len(parts) == 1 else _merged(*parts)
+    # By these points alone, so that the answer is the same whatever else is known of a surface.
+    with np.errstate(over="ignore"):
+        blur = np.nan_to_num(around.blur * (last_digits(largest, single=single) / 4))
+    return replace(around, blur=blur)
+
+
+def _compiled(vertices: Float, faces: Int, half_edge: Int, group: Int) -> tuple[Fans, Bool, float, bool]:
+    """Return what `_vectorised` does, less some (k,) that are left; the largest coordinate; whether all are single."""
+    order = np.argsort(group, kind="stable")
+    starts, _ = _runs(group[order])
+    stops, each, faces = np.append(starts, len(order)), half_edge[order], np.ascontiguousarray(faces)
+    scratch = np.empty((_MOST + 2, 9)), np.empty((6, _MOST)), np.empty((3, _MOST), np.int64), np.empty(_ROOM)
+    (extent, state), counts = np.empty((2, 2)), np.empty(len(starts), np.int64)
+    (twice, plane), (angle, height, blur) = np.empty((2, len(order)), np.int64), np.empty((3, len(order)))
+    SORT.function(
+        *(place(vertices), len(vertices), place(faces), len(faces), place(each), place(stops), len(starts)),
+        *map(place, (*scratch, extent, twice, plane, angle, height, blur, counts, state)),
+    )
+    done = counts >= 0
+    left = np.zeros(len(order), bool)
+    left[order] = np.repeat(~done, np.diff(stops))
+    groups = np.repeat(group[order][starts[done]], counts[done])
+    some = slice(len(groups))
+    twice = twice[some]
+    around = Fans(twice >> 1, groups, plane[some], twice % 2 == 1, angle[some], height[some], blur[some])
+    return around, left, float(state[0]), bool(state[1])
+
+
+def _merged(one: Fans, other: Fans) -> Fans:
+    """Return directed edges of different groups, in the order of these."""
+    both = Fans(*(np.concatenate([getattr(one, name), getattr(other, name)]) for name in vars(one)))
+    plane = np.concatenate([one.plane, other.plane + one.plane.max(initial=-1) + 1])
+    order = np.argsort(both.group, kind="stable")
+    starts, _ = _runs(plane[order])
+    counts = np.diff(np.append(starts, len(order)))
+    return replace(both.select(order), plane=np.repeat(np.arange(len(starts)), counts))
+
+
+def _vectorised(vertices: Float, faces: Int, edges: HalfEdges, half_edge: Int, group: Int) -> tuple[Fans, Float]:
+    """Return what `fans` does, with blurs over the last digit of coordinates, and the points (3, k, 3) of triangles."""
     x, y, z = vertices[_apex(faces, half_edge)].T
     order = np.lexsort((z, y, x, group))
     half_edge, group = half_edge[order], group[order]
@@ -74,7 +128,8 @@ def fans(vertices: Float, faces: Int, edges: HalfEdges, half_edge: Int, group: I
     side = _orientation(u, v, w[reference], w)
     level = np.flatnonzero(side == 0)
     first = reference[level]
-    facing = (normal[:, level] * normal[:, first]).sum(axis=0) > 0
+    with np.errstate(over="ignore", invalid="ignore"):  # where they are not sure
+        facing = (normal[:, level] * normal[:, first]).sum(axis=0) > 0
     doubtful = np.flatnonzero(~(sure[level] & sure[first]))
     one, other = (_normal_signs(u[k], v[k], w[k]) for k in (level[doubtful], first[doubtful]))
     facing[doubtful] = (one == other).all(axis=1)
@@ -92,7 +147,8 @@ def fans(vertices: Float, faces: Int, edges: HalfEdges, half_edge: Int, group: I
     first = np.lexsort((opens[order], plane))
     order, plane = order[first], plane[first]
     blur = _blur(u, v, w, height)
-    return Fans(half_edge[order], group[order], plane, opens[order], angle[order], height[order], blur[order])
+    sorted_fans = Fans(half_edge[order], group[order], plane, opens[order], angle[order], height[order], blur[order])
+    return sorted_fans, np.stack([u, v, w])
 
 
 def links(vertices: Float, faces: Int, edges: HalfEdges, piece: Int) -> Int:
@@ -327,21 +383,15 @@ def _angles(along: Float, normal: Float, reference: Int) -> Float:
 
 
 def _blur(u: Float, v: Float, w: Float, height: Float) -> Float:
-    """Return by what angle the rounding of points turns the half-planes from u→v through w, (k,) heights above it.
+    """Return by what angle a last digit of points turns half-planes from u→v through w, (k,) heights above it.
 
-    Where w lies beyond an end of a short edge, that of its ends counts as often as it is far. By these points alone, so
-    that the answer is the same whatever else is known of a surface.
+    Where w lies beyond an end of a short edge, that of its ends counts as often as it is far.
     """
-    if len(u) == 0:
-        return height
-    points = np.stack([u, v, w])
-    digit = last_digits(float(np.abs(points).max()), single=are_single(points)) / 4
     with np.errstate(over="ignore", under="ignore", divide="ignore", invalid="ignore"):
         (ax, ay, az), (bx, by, bz) = (np.ascontiguousarray((p - u).T) for p in (v, w))
         share = (ax * bx + ay * by + az * bz) / (ax * ax + ay * ay + az * az)
-        blur = digit * (1 + np.abs(share) + np.abs(1 - share)) / height
-    turned: Float = np.nan_to_num(blur)
-    return turned
+        blur: Float = (1 + np.abs(share) + np.abs(1 - share)) / height
+    return blur
 
 
 def _sorted_exactly(order: Int, group: Int, quarter: Sign, u: Float, v: Float, w: Float) -> Bool:
