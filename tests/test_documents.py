@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from inertia.documents import Document, FieldError, number, numbers, toml_text
+from inertia.documents import Document, FieldError, nearest, number, numbers, require_known, toml_text
 from inertia.errors import ReadError, UsageError
 
 
@@ -67,13 +67,42 @@ def test_strings_and_figures_survive_toml() -> None:
 
 @pytest.mark.parametrize("value", [1e-320, 1e-61, 1e61, 1.7e308, 10**400])
 def test_a_figure_out_of_all_proportion_is_refused(value: float) -> None:
-    with pytest.raises(FieldError, match=r"^mass is 1.*: (its size must be zero, or between|it must be finite)"):
+    with pytest.raises(FieldError, match=r"^mass is 1.*: (its size must be between|it must be finite)"):
         number("kg", positive=True)(value, "mass")
     with pytest.raises(FieldError, match=r"^place.* is "):
         numbers((3,), "m")([0.0, value, 0.0], "place")
+    with pytest.raises(FieldError, match=r"^radius is 1.*: (its size must be zero, or between|it must be finite)"):
+        number("m", negative=False)(value, "radius")
 
 
 def test_small_figures_beside_others_are_read() -> None:
     assert numbers((2,), "m")([1.0, 1e-320], "place").tolist() == [1.0, 1e-320]
     assert number("degrees")(-1e-100, "angle") == -1e-100
     assert number("m", negative=False)(0, "radius") == 0.0
+
+
+@pytest.mark.parametrize(
+    ("word", "meant"),
+    [
+        ("Mass", "mass"),
+        ("accel", "acceleration"),
+        ("rmp", "rpm"),
+        ("velocity", None),
+        ("position", None),
+        ("place", None),
+        ("ac", None),
+        ("", None),
+    ],
+)
+def test_a_name_is_suggested_where_it_is_misspelled_and_not_where_another_is_meant(
+    word: str, meant: str | None
+) -> None:
+    known = ["mass", "acceleration", "action", "rpm", "angular_velocity", "position_uncertainty", "parent"]
+    assert nearest(word, known) == meant
+
+
+def test_an_unknown_key_is_refused_with_what_it_is_called_here_or_with_all_there_is() -> None:
+    with pytest.raises(FieldError, match=r"^part\.Position is unknown: did you mean at\?$"):
+        require_known({"Position": 1}, ["at", "position_uncertainty"], "part", {"position": "at"})
+    with pytest.raises(FieldError, match=r"^part\.position is unknown: use at, position_uncertainty$"):
+        require_known({"position": 1}, ["at", "position_uncertainty"], "part")

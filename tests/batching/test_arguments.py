@@ -66,6 +66,11 @@ def batch_options() -> set[str]:
         ({"format": ["stl"]}, r"format is \['stl'\]: give text"),
         ({"shell": 0.0}, "the shell thickness is 0.0 mm: it must be positive and finite"),
         ({"allow_faults": 2}, "faults are allowed for up to 2: "),
+        ({"parts": "separate", "union": True}, "both separate bodies and their union are asked for: give one"),
+        ({"shell": 1.0, "union": True}, "a union is one of the solids that a surface bounds: leave it out"),
+        ({"shell": 1.0, "wire": 1.0}, "both a shell and a wire are asked for: give one"),
+        ({"shell": 1.0, "chord": 0.1}, "a chord tolerance bounds the error of the surface of a solid only: "),
+        ({"union": True, "orientation": "absolute"}, "a union and an absolute orientation are two answers to one"),
         ({"verb": "check", "parts": "each"}, "parts is 'each': use 'together' or 'separate'"),
         ({"verb": "audit", "tolerance": -1}, "the tolerance is -1: it must lie between 0 and 1"),
         ({"verb": "audit", "tolerance": "x"}, "tolerance is 'x': give a number"),
@@ -138,6 +143,13 @@ def test_the_command_lists_its_own_options(arguments: tuple[str, ...], capsys: p
     listed = said.partition(": use one of ")[2].split(", ")
     assert "--unit" in listed
     assert {option.strip() for option in listed} <= batch_options()
+
+
+def test_the_command_refuses_options_that_exclude_each_other(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["batch", str(CUBE), "--parts", "separate", "--union"]) == 2
+    said = capsys.readouterr()
+    assert said.err == "inertia: both separate bodies and their union are asked for: give one\n"
+    assert not said.out
 
 
 @pytest.mark.parametrize(

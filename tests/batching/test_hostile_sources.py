@@ -21,7 +21,8 @@ from tests.mesh.readers.samples import gltf_tree
 
 import inertia
 from inertia.batching.sources import tasks_of
-from inertia.tables import cell_text, csv_text
+from inertia.errors import visible
+from inertia.tables import cell_text, csv_text, read_table
 from inertia_cli.main import main
 from inertia_meshes import path
 
@@ -523,6 +524,37 @@ def test_a_chain_that_cannot_be_listed_comes_with_a_remedy(tmp_path: Path) -> No
 @pytest.mark.parametrize("name", ["=x", "'=x", "'' =x", "''-x", "'-1", "-1", "'x", "'' '=x", "＝x"])
 def test_text_in_a_table_reads_back_as_itself(name: str) -> None:
     assert cell_text(csv_text([[name]]).removesuffix("\n")) == name
+
+
+@UNIX
+@pytest.mark.parametrize("suffix", ["jsonl", "parquet", "csv"])
+def test_a_path_in_a_table_is_that_of_the_file_or_in_csv_as_it_may_be_printed(suffix: str, tmp_path: Path) -> None:
+    if suffix == "parquet":
+        pytest.importorskip("pyarrow.parquet")
+    names = ["a\r.stl", "a\\u000d.stl", "b\n\x9b.stl", "c\u202e\U000e0001.stl"]
+    for name in names:
+        (tmp_path / name).write_bytes(CUBE)
+    table = tmp_path / f"table.{suffix}"
+    assert main(["batch", *(str(tmp_path / name) for name in names), "-o", str(table), "--jobs", "1"]) == 0
+    paths = [str(row["path"]) for row in read_table(table)[1]]
+    if suffix == "csv":
+        names = [visible(name) for name in names]
+    assert paths == [f"{tmp_path}/{name}" for name in names]
+    if suffix != "parquet":
+        assert table.read_text(encoding="utf-8").replace("\n", "").isprintable()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of any bytes")
+@pytest.mark.parametrize("suffix", ["jsonl", "parquet", "csv"])
+def test_bytes_of_a_path_that_are_no_utf_8_are_written_out(suffix: str, tmp_path: Path) -> None:
+    if suffix == "parquet":
+        pytest.importorskip("pyarrow.parquet")
+    name = os.fsdecode(b"a\xff.stl")
+    (tmp_path / name).write_bytes(CUBE)
+    table = tmp_path / f"table.{suffix}"
+    assert main(["batch", str(tmp_path / name), "-o", str(table), "--jobs", "1"]) == 0
+    assert [row["path"] for row in read_table(table)[1]] == [f"{tmp_path}/a\\udcff.stl"]
+    assert [row["path"] for row in rows(tmp_path / name)] == [str(tmp_path / name)]
 
 
 @UNIX

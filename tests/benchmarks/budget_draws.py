@@ -19,6 +19,7 @@ from scipy.spatial.transform import Rotation
 from inertia.arrays import Float
 from inertia.assembly.document import Assembly
 from inertia.assembly.frames import LENGTH_BITS, Frame
+from inertia.assembly.inputs import Source
 from inertia.assembly.tree import Node
 from inertia.estimate import uncertainty_of
 from inertia.mesh.turns import TURN_BITS
@@ -66,7 +67,7 @@ def draws(tree: Assembly, count: int, seed: int) -> Float:
     random = np.random.default_rng(seed)
     frames = dict(tree.in_places())
     above = {child: node for node in frames for child in node.children}
-    common: dict[str, Float] = {}
+    common: dict[Source, Float] = {}
     moves = {node: list(_misplaced(node, frames[node], random, count)) for node in frames}
     whole = np.zeros((count, 10))
     for node in frames:
@@ -96,7 +97,9 @@ def draws(tree: Assembly, count: int, seed: int) -> Float:
     return np.concatenate([whole[:, :1], c, np.stack([tensor[:, i, j] for i, j in _ELEMENTS], axis=1)], axis=1)
 
 
-def _own(node: Node, random: np.random.Generator, count: int, common: dict[str, Float]) -> tuple[Float, Float, Float]:
+def _own(
+    node: Node, random: np.random.Generator, count: int, common: dict[Source, Float]
+) -> tuple[Float, Float, Float]:
     """Return mass (n,), centre (n, 3) and ∫x xᵀ about it (n, 3, 3) of a part in its own axes, each input drawn."""
     fields, body = node.fields, node.body
     assert fields is not None
@@ -108,29 +111,29 @@ def _own(node: Node, random: np.random.Generator, count: int, common: dict[str, 
     for value, (i, j) in zip(central.second, _PLACES, strict=True):
         second[:, i, j] = second[:, j, i] = float(value)
     for one in body.inputs:
-        if one.label.startswith(("density", "thickness", "mass")):
+        if one.source.what in ("density", "thickness", "mass"):
             relative = one.change[0, 0] / float(central.zeroth)
-            factor = 1 + relative * common.setdefault(one.label, random.normal(size=count))
+            factor = 1 + relative * common.setdefault(one.source, random.normal(size=count))
             mass = mass * factor
             second = second * (1.0 if fields.inertia is not None else factor[:, None, None])
-        elif one.label.startswith("scale"):
+        elif one.source.what == "scale":
             u = uncertainty_of(fields.scale) if fields.scale is not None else 0.0
-            factor = 1 + u * common.setdefault(one.label, random.normal(size=count))
+            factor = 1 + u * common.setdefault(one.source, random.normal(size=count))
             grown = fields.mass is None
             mass = mass * (factor**3 if grown else 1.0)
             center = center * (1.0 if fields.center_of_mass is not None else factor[:, None])
             if fields.inertia is None:
                 second = second * (factor**5 if grown else factor**2)[:, None, None]
-        elif one.label.startswith("centre of mass"):
+        elif one.source.what == "centre of mass":
             u = float(node.unit.metres) * (fields.center_of_mass_uncertainty or 0.0)
             center = center + u * random.normal(size=(count, 3))
-        elif one.label.startswith("tensor") and fields.inertia_uncertainty is not None:
+        elif one.source.what == "tensor" and fields.inertia_uncertainty is not None:
             change = np.zeros((count, 3, 3))
             for i, j in _ELEMENTS:
                 change[:, i, j] = change[:, j, i] = fields.inertia_uncertainty[i, j] * random.normal(size=count)
             second = second + np.trace(change, axis1=1, axis2=2)[:, None, None] / 2 * np.eye(3) - change
         else:
-            raise SystemExit(f"{one.label} is not drawn")
+            raise SystemExit(f"{one.source.what} is not drawn")
     return mass, center, second
 
 

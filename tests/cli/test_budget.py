@@ -73,7 +73,7 @@ def test_the_table_has_a_row_for_each_line(tmp_path: Path) -> None:
         ("[[part]]\nname = 'g'\n", 2, "it has no part with a mass: give one a file, a shape or a mass"),
         ("[[part]]\nname = 'g'\nfile = 'no.stl'\n", 3, "no.stl: there is no such file: check the path"),
         ("[[limit]]\nwhat = 'mass'\nmax = 1\n", 2, "part is missing"),
-        ("[[part]]\nname = 'g'\nmass = 1\n[[limit]]\nwhat = 'inertia.zx'\nmax = 1\n", 2, "did you mean inertia."),
+        ("[[part]]\nname = 'g'\nmass = 1\n[[limit]]\nwhat = 'inertia.zx'\nmax = 1\n", 2, "did you mean inertia.xz?"),
         ("not toml", 3, "it is not TOML"),
     ],
 )

@@ -13,7 +13,7 @@ import os
 import re
 import tomllib
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING, InitVar, field, fields
 from difflib import get_close_matches
 from fractions import Fraction
@@ -35,6 +35,11 @@ Read = Callable[[Any, str], Any]
 
 SMALLEST, LARGEST = 1e-60, 1e60
 """The sizes that figures other than zero may have: what is made of them then stays within float64, in any SI unit."""
+
+_ALIKE = 0.65
+"""How alike two names are, as `difflib` counts, of which one may be a misspelling of the other."""
+
+_UNIT = 4  # letters of the longest, "_rpm"
 
 _COUNTS = {2: "two numbers", 3: "three numbers", 4: "four numbers"}
 
@@ -68,10 +73,12 @@ class Reader:
 class Section:
     """A section of a file: every field is read by its reader when the section is made; None is left as it is.
 
-    `path` is what errors call the section: its name in the file, if nothing else is given.
+    `path` is what errors call the section: its name in the file, if nothing else is given. `_synonyms` are names that
+    its fields may be looked for by, and what they are called here.
     """
 
     section: ClassVar[str]
+    _synonyms: ClassVar[Mapping[str, str]] = {}
     path: InitVar[str | None] = field(default=None, kw_only=True)
 
     def __post_init__(self, path: str | None) -> None:
@@ -119,7 +126,7 @@ def section_of(kind: type[S], table: object, extra: Sequence[str] = (), path: st
     where = kind.section if path is None else path
     known = {each.name: each.default is MISSING for each in fields(kind)}
     entries = table_of(table, where)
-    require_known(entries, [*known, *extra], where)
+    require_known(entries, [*known, *extra], where, kind._synonyms)
     for name, required in known.items():
         if required and name not in entries:
             raise FieldError(joined(where, name), "is missing: it has to be given")
@@ -135,13 +142,33 @@ def table_of(value: object, path: str) -> Mapping[str, Any]:
     return value
 
 
-def require_known(table: Mapping[str, Any], known: Sequence[str], path: str) -> None:
-    """Refuse a key that is none of `known`, naming the nearest of them."""
+def require_known(
+    table: Mapping[str, Any], known: Sequence[str], path: str, synonyms: Mapping[str, str] | None = None
+) -> None:
+    """Refuse a key that is none of `known`, naming the one that it is a synonym or a misspelling of."""
     for key in table:
         if key not in known:
-            close = get_close_matches(str(key), known, n=1, cutoff=0.5)
-            hint = f"did you mean {close[0]}?" if close else f"use {', '.join(known)}"
+            meant = (synonyms or {}).get(str(key).lower()) or nearest(str(key), known)
+            hint = f"use {', '.join(known)}" if meant is None else f"did you mean {meant}?"
             raise FieldError(joined(path, str(key)), f"is unknown: {hint}")
+
+
+def nearest(word: str, known: Iterable[str]) -> str | None:
+    """Return the name of which a word is a misspelling, or the only one that begins so; None where neither is sure.
+
+    A name with further words, as "angle_uncertainty" beside "angle", is that of something else, but for a unit behind
+    it. Misspellings begin with the right letter.
+
+    >>> names = ["angle_uncertainty", "at", "region", "density", "mass_g"]
+    >>> [nearest(word, names) for word in ("densty", "dens", "mass", "angle", "origin")]
+    ['density', 'density', 'mass_g', None, None]
+    """
+    lower = word.lower()
+    names = {name.lower(): name for name in known if name[:1].lower() == lower[:1]}
+    alike = [name for name in names if f"_{lower}_" not in f"_{name}_" or len(name) <= len(lower) + _UNIT]
+    begun = [name for name in alike if name.startswith(lower)]
+    close = get_close_matches(lower, alike, n=1, cutoff=_ALIKE) or (begun if len(begun) == 1 else [])
+    return names[close[0]] if close else None
 
 
 class Document(ABC):
@@ -288,7 +315,7 @@ def number(unit: str, *, positive: bool = False, negative: bool = True, below: f
         if figure >= below:
             raise FieldError(path, f"is {short_repr(value)}: it must be below {below:g}, {expected}")
         if abs(figure) > LARGEST or ((positive or not negative) and 0 < figure < SMALLEST):
-            raise _out_of_proportion(path, value)
+            raise _out_of_proportion(path, value, zero=not positive)
         return figure
 
     schema: dict[str, Any] = {"type": "number"}
@@ -332,10 +359,9 @@ def finite_number(unit: str) -> Reader:
     return Reader(read, {"type": "number"})
 
 
-def _out_of_proportion(path: str, value: Any) -> FieldError:
-    return FieldError(
-        path, f"is {short_repr(value)}: its size must be zero, or between {SMALLEST:g} and {LARGEST:g}: check its unit"
-    )
+def _out_of_proportion(path: str, value: Any, *, zero: bool = True) -> FieldError:
+    sizes = f"{'zero, or ' if zero else ''}between {SMALLEST:g} and {LARGEST:g}"
+    return FieldError(path, f"is {short_repr(value)}: its size must be {sizes}: check its unit")
 
 
 def _float(value: Real) -> float:
@@ -426,8 +452,8 @@ def choice(*options: str) -> Reader:
     def read(value: Any, path: str) -> str:
         if isinstance(value, str) and value in options:
             return value
-        close = get_close_matches(value, options, n=1, cutoff=0.5) if isinstance(value, str) else []
-        hint = f"; did you mean {close[0]!r}?" if close else ""
+        meant = nearest(value, options) if isinstance(value, str) else None
+        hint = "" if meant is None else f"; did you mean {meant!r}?"
         raise FieldError(path, f"is {short_repr(value)}: use one of {', '.join(map(repr, options))}{hint}")
 
     return Reader(read, {"enum": list(options)})

@@ -12,6 +12,7 @@ import io
 import json
 import math
 import os
+import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -23,6 +24,7 @@ from inertia.output import require_writable, together, whole, write_whole
 from inertia.standard_input import reason_of
 
 SUFFIXES = (".parquet", ".csv", ".jsonl")
+_HALVES = re.compile("[\ud800-\udfff]")  # of pairs, as Python has bytes of names that are no UTF-8
 _ROWS = 65_536  # in a group of Parquet's
 _ARROW = {"text": "string", "integer": "int64", "number": "float64", "truth": "bool_"}
 
@@ -89,7 +91,8 @@ def table_writer(
 ) -> Iterator[Callable[[Mapping[str, Any]], None]]:
     """Yield what writes a row; the table appears when the context is left without an error, whole.
 
-    The same rows give the same bytes. Text is written as it may be printed, and a number that is not finite as null.
+    The same rows give the same bytes. Text reads back from JSON lines and Parquet as it is, but for halves of surrogate
+    pairs, which no UTF-8 has; in CSV it is written as it may be printed. A number that is not finite is null.
 
     Parameters
     ----------
@@ -119,26 +122,32 @@ def table_writer(
             def write(row: Mapping[str, Any]) -> None:
                 values = plain(row)
                 as_csv = path.suffix.lower() == ".csv"
-                file.write(csv_text([map(_printed, values)]) if as_csv else _line(columns, values))
+                file.write(csv_text([map(_in_csv, values)]) if as_csv else _line(columns, values))
 
             yield write
         write_whole(_beside(path), f"{described}\n".encode())
 
 
 def _line(columns: Sequence[Column], values: list[Any], escape: bool = False) -> str:
+    """Return a row as JSON, in which what steers a terminal is escaped as JSON has it."""
     row = {column.name: value for column, value in zip(columns, values, strict=True)}
-    return json.dumps(row, ensure_ascii=escape, allow_nan=False) + "\n"
+    text = json.dumps(row, ensure_ascii=escape, allow_nan=False)
+    if not text.isprintable():
+        text = "".join(one if one.isprintable() else json.dumps(one)[1:-1] for one in text)
+    return f"{text}\n"
 
 
-def _printed(value: Any) -> Any:
-    return ("true" if value else "false") if isinstance(value, bool) else value
+def _in_csv(value: Any) -> Any:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return visible(value) if isinstance(value, str) else value
 
 
 def _cell(value: Any, kind: str) -> Any:
     if value is None:
         return None
     if kind == "text":
-        return visible(value) or None
+        return _HALVES.sub(lambda half: visible(half[0]), value) or None
     if kind == "number":
         return float(value) if math.isfinite(value) else None
     return bool(value) if kind == "truth" else int(value)

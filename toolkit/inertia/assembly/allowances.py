@@ -7,9 +7,8 @@ rows, or adds others, in ``[allowances.CATEGORY]``.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from difflib import get_close_matches
 
-from inertia.documents import FieldError
+from inertia.documents import FieldError, nearest
 
 MATURITIES = ("estimated", "layout", "preliminary", "released", "existing", "actual", "specified")
 """From a guess by what was built before, over layouts, drawings before and after their release, hardware of another
@@ -53,9 +52,7 @@ def allowance_of(
 
 
 def _choices(word: str, known: Mapping[str, object]) -> str:
-    close = get_close_matches(word, known, n=1, cutoff=0.5)
-    return (
-        f"did you mean {close[0]!r}?"
-        if close
-        else f"use one of {', '.join(map(repr, known)) or 'none, as that row is empty'}"
-    )
+    meant = nearest(word, known)
+    if meant is not None:
+        return f"did you mean {meant!r}?"
+    return f"use one of {', '.join(map(repr, known)) or 'none, as that row is empty'}"

@@ -11,13 +11,13 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.assembly.fields import PartFields
 from inertia.assembly.frames import mirror
+from inertia.assembly.inputs import Input, Owner, Source
 from inertia.errors import SHELL, GeometryError, InertiaError, Sentence, UsageError, reworded, visible
 from inertia.estimate import uncertainty_of
 from inertia.mass.analyse import analyse, sound_solids_only
@@ -36,25 +36,12 @@ _PI = Fraction(314159265358979323846264338327950288419716939937510582097494459, 
 _OF_PI = Fraction(1, 2**200)  # how far that is off, relative
 
 
-class Input(NamedTuple):
-    """An uncertain input of a part.
-
-    Attributes
-    ----------
-    label : those of one label are one input, wherever they stand
-    change : (k, 10) of the ten moments for one standard uncertainty of each of k independent figures
-    """
-
-    label: str
-    change: Float
-
-
 @dataclass(frozen=True, eq=False)
 class Weight:
-    """How heavy a part is: a density, kg/m³, and where it is from, or a mass, kg."""
+    """How heavy a part is: a density, kg/m³, and what it is stated of, or a mass, kg."""
 
     density: float
-    label: str
+    owner: Owner
     mass: float | None = None
     assumed: bool = False
 
@@ -108,8 +95,8 @@ class Library:
         if tree is not None:
             self._trees[tree[:2]] = tree[2]
 
-    def body(self, fields: PartFields, weight: Weight, label: str, folder: Path, unit: Unit) -> Body:
-        """Return what a part is, read and integrated where it has a file; its own inputs are those of `label`.
+    def body(self, fields: PartFields, weight: Weight, owner: Owner, folder: Path, unit: Unit) -> Body:
+        """Return what a part is, read and integrated where it has a file; its own inputs are those of `owner`.
 
         Raises `ReadError`, `GeometryError` and `UsageError` of the file, which they name.
         """
@@ -132,7 +119,7 @@ class Library:
             self._bodies[key] = _certain(fields, weight, analysis, unit.metres)
         body = self._bodies[key]
         inputs = (
-            tuple(_inputs(fields, weight, label, body, analysis, unit.metres)) if _is_uncertain(fields, weight) else ()
+            tuple(_inputs(fields, weight, owner, body, analysis, unit.metres)) if _is_uncertain(fields, weight) else ()
         )
         return replace(body, inputs=inputs) if inputs else body
 
@@ -284,7 +271,7 @@ def _measured(moments: Moments, fields: PartFields, metres: Fraction) -> Moments
 
 
 def _inputs(
-    fields: PartFields, weight: Weight, name: str, body: Body, analysis: Analysis | None, metres: Fraction
+    fields: PartFields, weight: Weight, owner: Owner, body: Body, analysis: Analysis | None, metres: Fraction
 ) -> Iterator[Input]:
     central = body.moments.central()
     mass, center = float(central.zeroth), np.array([float(k) for k in central.origin])
@@ -292,17 +279,17 @@ def _inputs(
     whole = np.concatenate([[mass], np.zeros(3), second])
     if weight.mass is None:
         if u := uncertainty_of(weight.density):
-            yield Input(f"density of {weight.label}", u / weight.density * whole[np.newaxis])
+            yield Input(Source("density", weight.owner), u / weight.density * whole[np.newaxis])
         shell = fields.shell
         if shell is not None and (u := uncertainty_of(shell)):
-            yield Input(f"thickness of {name}", u / shell * whole[np.newaxis])
+            yield Input(Source("thickness", owner), u / shell * whole[np.newaxis])
     elif u := uncertainty_of(weight.mass):
         change = u / weight.mass * whole
         if fields.inertia is not None:
             change[4:] = 0.0
-        yield Input(f"mass of {name}", change[np.newaxis])
+        yield Input(Source("mass", owner), change[np.newaxis])
     if fields.surface_uncertainty and analysis is not None:
-        yield Input(f"surface of {name}", _grown(fields, weight, analysis, whole)[np.newaxis])
+        yield Input(Source("surface", owner), _grown(fields, weight, analysis, whole)[np.newaxis])
     if fields.scale is not None and (u := uncertainty_of(fields.scale)):
         grown = np.concatenate([[3.0 * mass], mass * center, 5.0 * second])
         if weight.mass is not None:
@@ -311,16 +298,17 @@ def _inputs(
             grown[1:4] = 0.0
         if fields.inertia is not None:
             grown[4:] = 0.0
-        yield Input(f"scale of {fields.scale_of or name}", u * grown[np.newaxis])
+        shared = owner if fields.scale_of is None else Owner(fields.scale_of, kind="scale_of")
+        yield Input(Source("scale", shared), u * grown[np.newaxis])
     if u := fields.center_of_mass_uncertainty or 0.0:
         moved = np.zeros((3, 10))
         moved[:, 1:4] = float(metres) * u * mass * np.eye(3)
-        yield Input(f"centre of mass of {name}", moved)
+        yield Input(Source("centre of mass", owner), moved)
     if (spread := fields.inertia_uncertainty) is not None and spread.any():
         each = spread[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
-        yield Input(f"tensor of {name}", _of_elements(np.diag(each)))
+        yield Input(Source("tensor", owner), _of_elements(np.diag(each)))
     if analysis is not None and analysis.uncertainty is not None:
-        yield Input(f"vertices of {name}", _vertex_changes(analysis, fields, weight, mass))
+        yield Input(Source("vertices", owner), _vertex_changes(analysis, fields, weight, mass))
 
 
 def _grown(fields: PartFields, weight: Weight, analysis: Analysis, whole: Float) -> Float:
@@ -342,18 +330,20 @@ def _grown(fields: PartFields, weight: Weight, analysis: Analysis, whole: Float)
 
 
 def _vertex_changes(analysis: Analysis, fields: PartFields, weight: Weight, mass: float) -> Float:
-    """Return independent changes whose squares add up to what noise of the vertices does."""
+    """Return independent changes whose squares add up to what noise of the vertices does.
+
+    Which ones does not depend on the mass, as a part may have several, by the materials of the files around its own.
+    """
     assert analysis.uncertainty is not None
     covariance, properties = analysis.uncertainty.components["vertices"], analysis.properties
     tensor = properties.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
-    factor = mass / properties.mass
     rates = np.zeros((10, 11))  # of m, ∫x and ∫x xᵀ with volume, m, centre, tensor
-    rates[0, 1] = factor
-    rates[1:4, 2:5] = mass * np.eye(3)
-    rates[4:, 5:] = factor * _of_elements(np.eye(6))[:, 4:].T
+    rates[0, 1] = 1.0
+    rates[1:4, 2:5] = properties.mass * np.eye(3)
+    rates[4:, 5:] = _of_elements(np.eye(6))[:, 4:].T
     if weight.mass is not None:  # all are in proportion to the volume that the mass was found with
         rates[0] = 0.0
-        rates[4:, 1] -= factor * (_of_elements(tensor[np.newaxis])[0, 4:]) / properties.mass
+        rates[4:, 1] -= _of_elements(tensor[np.newaxis])[0, 4:] / properties.mass
     if fields.center_of_mass is not None:
         rates[1:4] = 0.0
     if fields.inertia is not None:
@@ -362,7 +352,7 @@ def _vertex_changes(analysis: Analysis, fields: PartFields, weight: Weight, mass
         rates = _moved(mirror(fields.mirror)) @ rates
     values, vectors = np.linalg.eigh(rates @ covariance @ rates.T)
     changes: Float = (vectors * np.sqrt(np.maximum(values, 0.0))).T[values > 1e-30 * max(values[-1], 0.0)]
-    return changes
+    return mass / properties.mass * changes
 
 
 def _of_elements(elements: Float) -> Float:

@@ -3,7 +3,7 @@
 Basic mass is what the parts have now, predicted mass what they are expected to grow to: basic mass and mass growth
 allowance (terms of ANSI/AIAA S-120A; ISO 22010). Uncertainties are propagated to first order (JCGM 100:2008, 5.1.2):
 the ten moments of the whole are sums over parts, so that a change of one input moves them by what `inertia.assembly.
-bodies` says, turned and shifted to the place of each copy; inputs of one label move together, others by themselves.
+bodies` says, turned and shifted to the place of each copy; inputs of one source move together, others by themselves.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.assembly.allowances import EXAMPLE, allowance_of
-from inertia.assembly.bodies import Input
 from inertia.assembly.frames import LENGTH_BITS, Frame
+from inertia.assembly.inputs import Input, Source
 from inertia.assembly.limits import Limit, Verdict, judged
 from inertia.assembly.lines import Line, Sigma, central_of, six_of, square
 from inertia.assembly.rollup import Placed
@@ -169,15 +169,15 @@ class _Lines:
 
     def _line(
         self, node: Node, level: int, above: tuple[float | None, str | None, str | None]
-    ) -> tuple[Line, Float, dict[str, Float]]:
-        """Return a line, the moments (n, 10) of each copy, and the changes (k, 11) for each label."""
+    ) -> tuple[Line, Float, dict[Source, Float]]:
+        """Return a line, the moments (n, 10) of each copy, and the changes (k, 11) for each source."""
         frames, fields = self._frames[node], node.fields
         own, maturity, category = above
         if fields is not None:
             own = own if fields.allowance is None and fields.maturity is None else fields.allowance
             maturity, category = fields.maturity or maturity, fields.category or category
         moments = np.zeros((len(frames), 10))
-        changes: dict[str, Float] = {}
+        changes: dict[Source, Float] = {}
         allowance, children = 0.0, []
         if node.body is not None:
             moments += self._places.moments[self._start : self._start + len(frames)]
@@ -197,15 +197,15 @@ class _Lines:
                 )
             allowance = (share or 0.0) * float(moments[:, 0].sum())
             for each in node.body.inputs:
-                _add(changes, each.label, _grown(self._placed(each, frames, moments), share or 0.0))
+                _add(changes, each.source, _grown(self._placed(each, frames, moments), share or 0.0))
         alone = moments.copy(), dict(changes)
         for child in node.children:
             line, inner, moved = self._line(child, level + 1, (own, maturity, category))
             children.append(line)
             moments += inner.reshape(len(frames), -1, 10).sum(axis=1)
             allowance += line.allowance
-            for label, change in moved.items():
-                _add(changes, label, change)
+            for source, change in moved.items():
+                _add(changes, source, change)
         whole = moments.sum(axis=0)
         center, tensor, sigma = central_of(whole, self._with_misplaced(node, frames, moments, changes))
         own_sigma = central_of(alone[0].sum(axis=0), self._with_misplaced(node, frames, *alone))[2]
@@ -246,11 +246,11 @@ class _Lines:
         return result
 
     def _with_misplaced(
-        self, node: Node, frames: Sequence[Frame], moments: Float, changes: dict[str, Float]
-    ) -> dict[str, Float]:
+        self, node: Node, frames: Sequence[Frame], moments: Float, changes: dict[Source, Float]
+    ) -> dict[Source, Float]:
         """Add the changes for each copy being misplaced to those of its inputs, and return them."""
-        for label, change in self._misplaced(node, frames, moments):
-            _add(changes, label, _grown(change, 0.0))
+        for what, change in self._misplaced(node, frames, moments):
+            changes[Source(what, node.owner, node)] = _grown(change, 0.0)
         return changes
 
     def _misplaced(self, node: Node, frames: Sequence[Frame], moments: Float) -> Iterator[tuple[str, Float]]:
@@ -263,7 +263,7 @@ class _Lines:
                 change[:, k, 1:4] = mass[:, np.newaxis] * e
                 along = np.einsum("i,nj->nij", e, first)
                 change[:, k, 4:] = six_of(along + along.swapaxes(1, 2))
-            yield f"position of {node.label}", place * change.reshape(-1, 10)
+            yield "position", place * change.reshape(-1, 10)
         if angle:
             origins = np.array([[k / (1 << LENGTH_BITS) for k in frame.origin] for frame in frames])
             away = first - mass[:, np.newaxis] * (origins - self._places.center)  # ∫x seen from the origin
@@ -274,7 +274,7 @@ class _Lines:
                 change[:, k, 1:4] = away @ cross.T
                 turned = np.einsum("ij,njk->nik", cross, outer)
                 change[:, k, 4:] = six_of(turned + turned.swapaxes(1, 2))
-            yield f"angle of {node.label}", angle * change.reshape(-1, 10)
+            yield "angle", angle * change.reshape(-1, 10)
 
 
 def _misplacement(node: Node) -> tuple[float, float]:
@@ -285,8 +285,8 @@ def _misplacement(node: Node) -> tuple[float, float]:
     return float(node.unit.metres) * place, math.radians(angle)
 
 
-def _add(changes: dict[str, Float], label: str, change: Float) -> None:
-    changes[label] = changes[label] + change if label in changes else change
+def _add(changes: dict[Source, Float], source: Source, change: Float) -> None:
+    changes[source] = changes[source] + change if source in changes else change
 
 
 def _grown(change: Float, allowance: float) -> Float:

@@ -33,9 +33,9 @@ from inertia.documents import (
     estimate,
     integer,
     layout_version,
+    nearest,
     number,
     numbers,
-    require_known,
     several,
     short_repr,
     table,
@@ -313,6 +313,17 @@ class PartFields(Section):
     """
 
     section: ClassVar[str] = "part"
+    _synonyms: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(("position", "location", "origin", "translation", "offset"), "at"),
+        **dict.fromkeys(("rotation", "orientation", "attitude"), "quaternion, matrix or euler"),
+        **dict.fromkeys(("com", "center", "centre", "centroid"), "center_of_mass"),
+        **dict.fromkeys(("count", "copies", "number"), "quantity"),
+        **dict.fromkeys(("dimensions", "radius", "diameter"), "size"),
+        "weight": "mass",
+        "tensor": "inertia",
+        "thickness": "shell",
+        "path": "file",
+    }
 
     name: Annotated[str, text]
     parent: Annotated[str | None, text] = None
@@ -470,13 +481,24 @@ QUANTITIES = (
 """What a limit may be on: the predicted mass, the basic one, elements about the centre of mass, principal moments."""
 
 
+def _meant(name: str) -> str | None:
+    """Return the quantity that goes by another name, as an element by its axes the other way round; None of none."""
+    kind, dot, which = name.lower().partition(".")
+    kinds = list(dict.fromkeys(each.partition(".")[0] for each in QUANTITIES))
+    kind = {"predicted_mass": "mass", "com": "center_of_mass"}.get(kind) or nearest(kind, kinds) or ""
+    meant = f"{kind}{dot}{''.join(sorted(which))}"
+    return meant if meant in QUANTITIES else None
+
+
 def _quantity(value: Any, path: str) -> str:
     name: str = text(value, path)
     above, slash, below = name.partition("/")
     pair = [above.strip(), below.strip()] if slash else [name]
     for one in pair:
         if one not in QUANTITIES:
-            require_known({one: None}, QUANTITIES, path)
+            meant = _meant(one)
+            hint = f"use {', '.join(QUANTITIES)}" if meant is None else f"did you mean {meant}?"
+            raise FieldError(path, f"is {short_repr(one)}: {hint}")
     if slash and pair[1].startswith("center_of_mass"):
         raise FieldError(path, f"is {name!r}: nothing is in proportion to a coordinate")
     return "/".join(pair)

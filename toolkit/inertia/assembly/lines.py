@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.assembly.inputs import Owner, Source, labels_of
 from inertia.records import dataclass
 
 _PLACES = (0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1)  # of the six second moments
@@ -112,7 +113,7 @@ class Line:
             yield from child.lines()
 
 
-def central_of(moments: Float, changes: Mapping[str, Float]) -> tuple[Float, Float, Sigma]:
+def central_of(moments: Float, changes: Mapping[Source, Float]) -> tuple[Float, Float, Sigma]:
     """Return the centre of mass, the tensor about it, and the uncertainties of both.
 
     With c = ∫x/m: δc = (δ∫x − c δm)/m and, about the centre, δS_c = δS − c δ(∫x)ᵀ − δ(∫x) cᵀ + c cᵀ δm.
@@ -130,11 +131,13 @@ def central_of(moments: Float, changes: Mapping[str, Float]) -> tuple[Float, Flo
     ds = square(stacked[:, 4:10]) - lever - lever.swapaxes(1, 2) + dm[:, :, np.newaxis] * np.outer(c, c)
     di = tensor_of(ds)
     elements = np.stack([di[:, i, j] for i, j in ELEMENTS], axis=1)
-    owner = [k for k, change in enumerate(changes.values()) for _ in change]
+    figures: dict[tuple[str, Owner], int] = {}  # those of one, in all its places, have one label
+    numbers = [figures.setdefault((source.what, source.owner), len(figures)) for source in changes]
+    owner = [number for number, change in zip(numbers, changes.values(), strict=True) for _ in change]
     return (
         c,
         tensor,
-        Sigma(tuple(changes), np.concatenate([dm, (df - dm * c) / mass, elements, stacked[:, 10:]], axis=1), owner),
+        Sigma(labels_of(figures), np.concatenate([dm, (df - dm * c) / mass, elements, stacked[:, 10:]], axis=1), owner),
     )
 
 

@@ -18,11 +18,12 @@ from inertia.arrays import Float
 from inertia.assembly.bodies import Body, Library, Weight, triangles_of
 from inertia.assembly.fields import AssemblyFields, PartFields
 from inertia.assembly.frames import IDENTITY, LENGTH_BITS, UNTURNED, Frame, frame, turned
+from inertia.assembly.inputs import Kind, Owner
 from inertia.assembly.outline import relative
 from inertia.assembly.rollup import Placed, place
 from inertia.documents import Document, FieldError, plain, section_of
 from inertia.errors import FieldPath, GeometryError, InertiaError, ReadError, UsageError, placed
-from inertia.mass.density import ASSUMED, DENSITIES, density_of
+from inertia.mass.density import ASSUMED, density_of
 from inertia.mass.moments import ZERO
 from inertia.mass.properties import MassProperties
 from inertia.mesh.part import Part
@@ -45,8 +46,7 @@ class Node:
 
     Attributes
     ----------
-    name : of the part, or of the assembly at the top
-    label : the name, with the file that it is from where that is not the one at the top
+    owner : the name of the part, or of the assembly at the top, with the file that it is from
     fields : what the file says of it; None at the top
     path : what errors call it, as ``part[3]``
     file : that says so
@@ -56,8 +56,7 @@ class Node:
     children : what is in it
     """
 
-    name: str
-    label: str
+    owner: Owner
     fields: PartFields | None
     path: str
     file: str
@@ -65,6 +64,16 @@ class Node:
     body: Body | None
     frames: tuple[Frame, ...]
     children: tuple[Node, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """That of the part, or of the assembly at the top."""
+        return self.owner.name
+
+    @property
+    def label(self) -> str:
+        """The name, with the file that it is from where that is not the one at the top."""
+        return self.owner.label
 
     @property
     def leaves(self) -> Iterator[Node]:
@@ -143,7 +152,7 @@ class PartTree(Document):
     def root(self) -> Node:
         """The tree, its files read and integrated."""
         nodes = self._nodes(self._library, (), (self,))
-        return Node(self.name, self.name, None, "", self.path, self.unit, None, (IDENTITY,), nodes)
+        return Node(Owner(self.name), None, "", self.path, self.unit, None, (IDENTITY,), nodes)
 
     @cached_property
     def _library(self) -> Library:
@@ -257,9 +266,9 @@ class PartTree(Document):
             except InertiaError as error:
                 raise placed(error, self.path, FieldPath(where)) from None
             own = tuple(node(k, level + 1, copies) for k in below.get(part.name, ()))
-            label = self._label(part.name, contexts)
             frames = self._frames(part)  # once it is known that there are not too many below
-            return Node(part.name, label, part, where, self.path, self.unit, body, frames, inner + own)
+            owner = self._owner(part.name, contexts)
+            return Node(owner, part, where, self.path, self.unit, body, frames, inner + own)
 
         return tuple(node(k, level, copies) for k in below.get(None, ()))
 
@@ -291,18 +300,17 @@ class PartTree(Document):
     def _body(self, part: PartFields, library: Library, contexts: tuple[PartTree, ...]) -> Body | None:
         if part.is_group or part.assembly is not None:
             return None
-        weight, label = self._weight(part, contexts), self._label(part.name, contexts)
-        body = library.body(part, weight, label, self.folder, self.unit)
+        weight, owner = self._weight(part, contexts), self._owner(part.name, contexts)
+        body = library.body(part, weight, owner, self.folder, self.unit)
         return replace(body, assumed=True) if weight.assumed else body
 
     def _weight(self, part: PartFields, contexts: tuple[PartTree, ...]) -> Weight:
         """Return how heavy a part is: as weighed, by its own density or material, or by a glob that fits its name."""
+        own = self._owner(part.name, contexts)
         if part.mass is not None:
-            return Weight(1.0, "", part.mass)
+            return Weight(1.0, own, part.mass)
         if part.density is not None:
-            named = (name for context in contexts for name in context.fields.densities or {})
-            own = f"{part.name} (part)" if part.name in {*DENSITIES, *named} else part.name
-            return Weight(part.density, self._label(own, contexts))
+            return Weight(part.density, own)
         material = part.material
         for context in contexts if material is None else ():
             globs = context.fields.materials or {}
@@ -310,15 +318,15 @@ class PartTree(Document):
             if material is not None:
                 break
         if material is None:
-            return Weight(ASSUMED, "", assumed=True)
+            return Weight(ASSUMED, own, assumed=True)
         for context in contexts:
             if (density := (context.fields.densities or {}).get(material)) is not None:
-                return Weight(density, context._label(material, contexts))
-        return Weight(density_of(material), material)
+                return Weight(density, context._owner(material, contexts, "material"))
+        return Weight(density_of(material), Owner(material, kind="material"))
 
-    def _label(self, name: str, contexts: tuple[PartTree, ...]) -> str:
-        """Return a name with this file's, where this is not the assembly at the top."""
-        return name if self is contexts[-1] else f"{name} ({relative(Path(self.path), contexts[-1].folder)})"
+    def _owner(self, name: str, contexts: tuple[PartTree, ...], kind: Kind = "part") -> Owner:
+        """Return what has a name in this file; the last of `contexts` is the assembly at the top."""
+        return Owner(name, "" if self is contexts[-1] else relative(Path(self.path), contexts[-1].folder), kind)
 
     def _frames(self, part: PartFields) -> tuple[Frame, ...]:
         """Return the frames of all copies of a part, in the axes of its parent."""

@@ -98,6 +98,8 @@ def setup_for(
         densities(options.get("density"), options.get("material"), options.get("mass"))
     for name, value in options.items():
         _require_usable(verb, name, value)
+    if verb == "analyse":
+        _require_together({name: value for name, value in options.items() if name not in (*READ, *WEIGHED)})
     # The worker hands its limit on to the system, which takes whole numbers only.
     limits = None if timeout is None else float(timeout), None if memory is None else math.ceil(memory)
     return Setup(verb, options, *limits, wording)
@@ -129,11 +131,23 @@ def _try(verb: str, name: str, value: Any) -> None:
 
         read(os.devnull, **{name: value})
     elif name not in WEIGHED:
-        from inertia.mass.analyse import analyse
-        from inertia.mesh.part import Part
+        _analyse({name: value})
 
-        corners, faces = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
-        analyse(Part.from_arrays(corners, faces, unit="mm"), **{name: value})
+
+def _require_together(options: dict[str, Any]) -> None:
+    """Raise `UsageError` where options exclude each other whatever the file, each of which is usable by itself."""
+    with warnings.catch_warnings(), suppress(ReadError, GeometryError, ArithmeticError):
+        warnings.simplefilter("ignore", RuntimeWarning)
+        _analyse(options)
+
+
+def _analyse(options: dict[str, Any]) -> None:
+    """Ask for the analysis of a tetrahedron, of which all may be asked that may be asked of any surface."""
+    from inertia.mass.analyse import analyse
+    from inertia.mesh.part import Part
+
+    corners, faces = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+    analyse(Part.from_arrays(corners, faces, unit="mm"), **options)
 
 
 def _unknown(name: str, verb: str, known: list[str], wording: Wording) -> UsageError:
