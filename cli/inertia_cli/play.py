@@ -47,7 +47,7 @@ def add(parsers: Any) -> None:
     picture = parser.add_argument_group("pictures")
     picture.add_argument("--at", type=float, metavar="SECONDS", help="of the run, where the picture is or begins (0)")
     picture.add_argument("--view", metavar="NAME", help="draw this view alone; the beginning of its name will do")
-    picture.add_argument("--size", type=_size, metavar="WxH", help="of what the viewer shows, in pixels (1280x800)")
+    picture.add_argument("--size", type=_size, metavar="WxH", help="of the picture, in pixels (1280x800)")
     picture.add_argument("--frames", type=int, metavar="N", help="of a GIF (60)")
     picture.add_argument("--fps", type=float, metavar="RATE", help="frames of a GIF in a second (15)")
     parser.add_argument("--force", action="store_true", help="write over FILE where it exists")

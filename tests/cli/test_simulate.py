@@ -62,6 +62,24 @@ def test_the_document_holds_the_contract(capsys: pytest.CaptureFixture[str], tmp
     assert 0 <= result["invariants"]["energy"]["largest_relative_drift"] < 1e-14
 
 
+@pytest.mark.parametrize(
+    ("stated", "moments"),
+    [
+        ("principal_moments = [3.0, 1.0, 2.5]", [3.0, 1.0, 2.5]),
+        ("inertia = [[3, 0, 0], [0, 1, 0], [0, 0, 2.5]]", [1.0, 2.5, 3.0]),
+    ],
+)
+def test_principal_moments_and_axes_are_those_of_the_tensor_numbered_as_the_frame(
+    stated: str, moments: list[float], capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = scene(tmp_path, PLAIN.replace("principal_moments = [1.0, 2.0, 3.0]", stated))
+    for options in ((), ("--explain",)):
+        body = json.loads(run(capsys, "simulate", file, "--json", *options)[1])["body"]
+        axes = np.array(body["principal_axes"])
+        assert body["principal_moments"] == moments
+        assert (axes @ np.diag(moments) @ axes.T).tolist() == body["inertia"] == [[3, 0, 0], [0, 1, 0], [0, 0, 2.5]]
+
+
 def test_numbers_read_back_as_they_were(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     from inertia.dynamics.scene.document import Scene
     from inertia.dynamics.simulate import simulate

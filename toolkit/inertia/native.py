@@ -10,11 +10,12 @@ under a name that is a hash of the source, the versions and the processor. From 
 that were checked to be this user's own; what is damaged is made again, and where there is no cache to trust, the kernel
 is compiled for this process: one `CacheWarning` says so, and the answer is the same.
 
-A kernel is a Python function over pointers and numbers, in a module that imports nothing but numba, numpy and other
-kernels. It may not allocate, raise or call Python, and it returns an int64. What it calls must become part of it
-(`inline="always"` or `forceinline=True`): a call that is left in the machine code leads nowhere when that is loaded.
+A kernel is a Python function over pointers and numbers, in a module that imports nothing but numba, numpy, tables of
+coefficients and other kernels. It may not allocate, raise or call Python, and it returns an int64. What it calls must
+become part of it (`inline="always"` or `forceinline=True`): a call that is left in the machine code leads nowhere when
+that is loaded.
 Set `INERTIA_NATIVE=0` to do without compiled kernels: the numpy paths give the same bits, more slowly; but for the
-Taylor method and sums over more than 1,024 triangles, which they give to rounding.
+Taylor method, DOP853 and sums over more than 1,024 triangles, which they give to rounding.
 """
 
 from __future__ import annotations

@@ -51,10 +51,10 @@ def test_estimate_of_two_runs_is_four_times_their_distance() -> None:
 @pytest.mark.parametrize(
     ("near", "far", "counted"),
     [
-        (1.0, 10.0, 1.0),  # the tolerance rules
-        (1.0, 100.0, 10.0),
+        (1.0, 10.0, 5.0),  # the tolerance rules
+        (1.0, 100.0, 50.0),
         (1.0, 0.5, 7.0),  # rounding rules, and is amplified
-        (0.1, 2.0, 0.2),  # two runs happen to agree
+        (0.1, 2.0, 1.0),  # two runs happen to agree
     ],
 )
 def test_what_the_distances_of_three_runs_say_of_the_error(near: float, far: float, counted: float) -> None:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from inertia.dynamics.kinematics.polhode import herpolhode, polhode, separatrix
+from inertia.dynamics.kinematics.polhode import herpolhode, polhode, polhode_family, separatrix
 from inertia.errors import GeometryError
 
 moment = st.floats(0.5, 1)
@@ -207,3 +207,13 @@ def test_advance_next_to_the_separatrix() -> None:
 def test_what_has_no_curve_is_refused(call, message: str) -> None:  # type: ignore[no-untyped-def]
     with pytest.raises(GeometryError, match=message):
         call()
+
+
+@pytest.mark.parametrize("order", list(itertools.permutations(range(3))))
+def test_polhodes_of_one_momentum_do_not_depend_on_the_order_of_the_moments(order: tuple[int, ...]) -> None:
+    moments = np.array([1.0, 2.0, 3.0])
+    some, others = polhode_family(moments, 37), polhode_family(moments[list(order)], 37)
+    for one, other in zip(some, others, strict=True):
+        np.testing.assert_allclose(np.linalg.norm(other, axis=1), 1.0, rtol=1e-14)
+        energy = [(curve**2 / axes).sum(axis=1) for curve, axes in ((one, moments), (other, moments[list(order)]))]
+        np.testing.assert_allclose(energy[1], energy[0], rtol=1e-14)

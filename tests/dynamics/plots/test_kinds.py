@@ -1,10 +1,12 @@
 """Plots of runs: which suit a model, that they show what the run has, with units, and nothing on top of another."""
 
 import functools
+import re
 import subprocess
 import sys
 from dataclasses import replace
 from itertools import combinations
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -12,7 +14,7 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from tests.dynamics.scenes import PLAIN, TOP, scene
+from tests.dynamics.scenes import DISC, PLAIN, TOP, scene
 
 from inertia.dynamics.plots.kinds import KINDS, kinds_of
 from inertia.dynamics.run import Run
@@ -84,6 +86,32 @@ def test_the_spin_is_what_the_run_has() -> None:
     axes = run.plot("angular velocity").axes[0]
     for k, label in enumerate(("ω₁", "ω₂", "ω₃")):
         assert np.array_equal(line(axes, label), np.column_stack([run.time, run.angular_velocity[:, k]]))
+
+
+@pytest.mark.parametrize(
+    ("base", "changes"),
+    [
+        (PLAIN, {"body__principal_moments": [3.0, 1.0, 2.5]}),
+        (PLAIN, {"body__principal_moments": [1.0, 2.0, 1.5], "load": [{"kind": "damping", "coefficient": 0.1}]}),
+        (DISC, {"start__angular_velocity": [2.0, 3.0, 5.0]}),
+        (DISC, {"body__principal_moments": [0.5, 0.25, 0.25], "constraint__axis": [1, 0, 0]}),
+        (TOP, {"start__angular_velocity": [1.0, 2.0, 150.0]}),
+    ],
+)
+def test_axes_are_numbered_as_the_scene_numbers_them(base: dict[str, Any], changes: dict[str, Any]) -> None:
+    run = simulate(scene(base, run__duration=0.1, run__accuracy=1e-6, **changes))
+    axes = run.plot("angular velocity").axes[0]
+    began = [line(axes, label)[0, 1] for label in ("ω₁", "ω₂", "ω₃")]
+    np.testing.assert_allclose(began, run.scene.start.angular_velocity, rtol=1e-12)
+
+
+def test_the_momentum_of_a_driven_body_is_said_from_its_least_to_its_most() -> None:
+    braked = [{"kind": "torque", "torque": [0.0, 0.0, -1.0]}]
+    run = simulate(scene(PLAIN, start__angular_velocity=[0, 0, 1], load=braked, run__duration=5.0, run__samples=6))
+    title = run.plot("momentum sphere").axes[0].get_title()  # from 3 kg m²/s through 0 to 2 kg m²/s the other way
+    said = re.search(r"\|L\| = (\S+) … 3 kg m²/s", title)
+    assert said
+    assert float(said[1]) < 0.1
 
 
 def test_samples_that_are_far_apart_are_joined_by_what_the_model_gives_between() -> None:

@@ -261,6 +261,22 @@ def test_flips_are_when_the_spin_about_axis_2_changes_sign(truth: Truth, recordi
     assert recording.texts(f"/{entities.FLIPS}", "StateChange:state") == ["+2", "−2", "+2"]
 
 
+def test_principal_axes_are_numbered_as_the_scene_numbers_them(tmp_path: Path) -> None:
+    body = {"principal_moments": [3.0, 1.0, 2.5]}
+    start, settings = {"angular_velocity": [0.01, 0.02, 3.0]}, {"duration": 8.0, "samples": 201}
+    run = simulate(Scene.from_dict({"body": body, "start": start, "run": settings}))
+    record(run, tmp_path / "run.rrd")
+    recorded = Recorded(tmp_path / "run.rrd")
+    (text,) = recorded.texts(f"/{entities.SUMMARY}", "TextDocument:text")
+    assert "moments 3, 1, 2.5 kg m²; spin 0.01, 0.02, 3 rad/s along principal axes" in text
+    assert "parts polhodes about axis 2 (smallest moment) from those about axis 1 (largest)" in text
+    plotted = recorded.values(f"/{entities.PLOT_ANGULAR_VELOCITY}", "Scalars:scalars")
+    np.testing.assert_allclose(plotted[0], start["angular_velocity"], rtol=1e-12)
+    states = recorded.texts(f"/{entities.FLIPS}", "StateChange:state")
+    assert len(states) > 1
+    assert states[:2] == ["+3", "−3"]
+
+
 def test_the_text_tells_model_accuracy_and_what_is_shown(handle: Run, recording: Recorded) -> None:
     (text,) = recording.texts(f"/{entities.SUMMARY}", "TextDocument:text")
     assert "t_handle.stl, in mm" in text

@@ -235,7 +235,7 @@ class Run:
     def _repr_html_(self) -> str:
         """Return a small table and a sketch of ω(t), as a notebook shows it."""
         from inertia.dynamics.notebook import curves_svg
-        from inertia.dynamics.plots.subject import ascending
+        from inertia.dynamics.plots.subject import numbered
         from inertia.notebook import html_of
 
         error, deforms = self.error, self.scene.body.deforms
@@ -250,7 +250,7 @@ class Run:
             *(("Motion", remark) for remark in self.remarks),
             *(("Note", warning) for warning in self.warnings),
         ]
-        along = np.eye(3) if deforms else ascending(self.plan)[1]
+        along = np.eye(3) if deforms else numbered(self.plan)[1]
         unit = f"rad/s along the {'part' if deforms else 'principal'} axes"
         sketch = curves_svg(self.time, self.angular_velocity @ along, ("ω₁", "ω₂", "ω₃"), unit)
         return html_of(rows, sketch)

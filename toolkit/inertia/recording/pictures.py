@@ -24,6 +24,7 @@ _LARGEST = 4096  # pixels along an edge
 _TICK = 100  # a second: what the durations of a GIF are counted in
 _COLORS = 256
 _BAR, _EDGE = 36, 1  # pixels of the window's own frame
+_FRAME = 5, 34  # pixels of a view's own frame, across and down, with its name
 _TOAST = 5.0  # s, for which the viewer shows a message in a corner after its first frame
 _SAMPLED = 8  # frames that the colours of all are chosen from
 _PATIENCE = 600.0  # s, for a recording to be loaded, or to be drawn
@@ -52,8 +53,8 @@ def export_picture(
     recording : of a file ending in .rrd
     path : of the file, ending in .png or .gif
     at : s from the start of the run
-    view : the name of one view, or how it begins; None for all of them
-    size : of what the viewer shows, pixels
+    view : the name of one view, or how it begins, which is then drawn alone; None for all of them
+    size : of the picture, pixels
     frames : of a GIF
     fps : frames of a GIF in a second, 50 at most
     force : write over a file that is there
@@ -73,10 +74,11 @@ def export_picture(
     properties(recording)
     moving = target.suffix.lower() == ".gif"
     count, step = (frames, playback_speed(recording) / fps) if moving else (1, 0.0)
-    with temporary_folder() as home, _opened(Path(recording), home, size) as screen:
+    drawn = size if view is None else (size[0] + _FRAME[0], size[1] + _FRAME[1])
+    with temporary_folder() as home, _opened(Path(recording), home, drawn) as screen:
         if not 0 <= at <= screen.duration:
             raise UsageError(f"there is nothing to see at {at:.6g} s: the recording lasts {screen.duration:.6g} s")
-        number = screen.number_of(view)
+        number = None if view is None else screen.maximise(view)
         instants = [t for k in range(count) if (t := at + k * step) <= screen.duration]
         images = []
         for k, instant in enumerate(instants):
@@ -96,15 +98,17 @@ class _Screen:
         self._timeline = next(each for each in recording.timelines if each.name == recording.current_timeline)
         self.duration = (self._timeline.end - self._timeline.start) / _NANO
 
-    def number_of(self, name: str | None) -> str | None:
-        """Return the viewer's number of the view whose name begins so."""
-        if name is None:
-            return None
+    def maximise(self, name: str) -> str:
+        """Show the view whose name begins so alone, without the panel of the time; return the viewer's number of it."""
         views = [view for view in self._waited(self._client.get_state).views if view.visible]
         numbers = [view.view_id for view in views if view.name.lower().startswith(name.lower())]
         if not numbers:
             names = ", ".join(sorted(repr(view.name) for view in views))
             raise UsageError(f"the recording has no view {name!r}: its views are {names}")
+        shown = self._waited(self._client.get_blueprint).blueprint
+        shown["/viewport"]["ViewportBlueprint"]["maximized"] = str(numbers[0])
+        shown["/time_panel"]["TimePanelBlueprint"]["state"] = "Hidden"
+        self._client.set_blueprint(shown, of="recording")
         return str(numbers[0])
 
     def picture(self, instant: float, view: str | None, *, settled: bool) -> bytes:

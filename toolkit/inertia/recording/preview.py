@@ -107,7 +107,7 @@ class Preview:
     def _axes(self) -> Float:
         """The axes (3, 3), columns in part axes, that ω is along: the principal ones of a body that has them."""
         body = self._scene.body
-        return np.eye(3) if body.deforms else body.principal.axes
+        return np.eye(3) if body.deforms else body.axes
 
     @property
     def _second(self) -> float:

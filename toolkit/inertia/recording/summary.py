@@ -83,7 +83,7 @@ def _body(run: Run) -> str:
         facts.append(f"{markdown(Path(body.part.name).name)}, in {body.part.unit.name}")
     if body.mass is not None:
         facts.append(f"{body.mass:.6g} kg, centre of mass {listed(body.center_of_mass)} m")
-    facts.append(f"{body.principal.kind}, moments {listed(body.principal.moments)} kg m²")
+    facts.append(f"{body.principal.kind}, moments {listed(body.moments)} kg m²")
     facts.append(f"spin {listed(scene.start.angular_velocity)} rad/s along {scene.start.frame} axes")
     return "; ".join(facts) + "."
 

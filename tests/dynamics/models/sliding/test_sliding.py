@@ -13,6 +13,7 @@ from tests.dynamics.oracle import off_by
 
 from inertia import GeometryError, Run, Scene, UsageError, simulate
 from inertia.dynamics.kinematics import quaternion
+from inertia.native import Kernel
 from inertia_meshes import path
 
 G = 9.80665
@@ -136,16 +137,27 @@ CASES: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_the_claim_holds_against_newton_and_euler(name: str) -> None:
-    run = run_of(**CASES[name])
+def test_the_claim_holds_against_newton_and_euler(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    runs = []
+    for native in (True, False):
+        monkeypatch.setattr(Kernel, "worthwhile", lambda self, count, native=native: native)
+        runs.append(run_of(**CASES[name]))
     with mpmath.workdps(30):
-        rate, start = newton_and_euler(run.scene)
-        truth = follow(rate, start, run.time[1:].tolist(), 0.002)
-    assert run.position is not None
-    for k, row in enumerate(truth, 1):
-        apart = quaternion.angle_between(np.array(row[6:10], dtype=np.float64), run.attitude[k])
-        assert apart <= run.error.reached
-        np.testing.assert_allclose(run.position[k], np.array(row[:3], dtype=np.float64), atol=0.1 * run.error.reached)
+        rate, start = newton_and_euler(runs[0].scene)
+        truth = follow(rate, start, runs[0].time[1:].tolist(), 0.002)
+    for run in runs:
+        assert run.position is not None
+        for k, row in enumerate(truth, 1):
+            apart = quaternion.angle_between(np.array(row[6:10], dtype=np.float64), run.attitude[k])
+            place = np.array(row[:3], dtype=np.float64)
+            assert apart <= run.error.reached
+            np.testing.assert_allclose(run.position[k], place, atol=0.1 * run.error.reached)
+
+
+def test_a_run_by_the_kernel_ends_at_its_time_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Kernel, "worthwhile", lambda self, count: True)
+    with pytest.raises(GeometryError, match=r"takes longer than 0\.2 s of computing, which is its limit"):
+        run_of(run={"duration": 2000.0, "time_limit": 0.2})
 
 
 def test_jellett_and_the_energy_with_its_heat_are_kept_while_the_energy_falls() -> None:

@@ -8,6 +8,7 @@ import pytest
 from tests.dynamics import oracle
 from tests.dynamics.integrators.loaded import ATTITUDE, LOADS, MOMENTS, SPIN, TIMES, case, rotations
 
+from inertia.dynamics.integrators import methods
 from inertia.dynamics.integrators.events import find_events
 from inertia.dynamics.integrators.rotation import RotationProblem
 from inertia.dynamics.kinematics import quaternion
@@ -38,6 +39,28 @@ def test_estimates_are_honest_for_the_methods_of_our_own(monkeypatch: pytest.Mon
         ratios.append(motion.reached / error)
     assert np.mean(np.array(ratios) >= 1.0) >= 0.95
     assert min(ratios) > 0.1
+
+
+@pytest.mark.parametrize(("end", "accuracy"), [(500.0, 1e-4), (2000.0, 3.4e-4), (4000.0, 1e-7)])
+def test_an_accuracy_is_not_refused_where_a_finer_one_is_reached(end: float, accuracy: float) -> None:
+    """With less tolerance the order of the series changes, and the estimate of its error may rise at first."""
+    problem = RotationProblem([1.0, 2.0, 3.0], [1.0, 0.5, 2.0], loads=(Damping(1e-6),))
+    time = np.linspace(0.0, end, 11)
+    coarse, fine = (solve_stepped(problem, time, goal) for goal in (accuracy, 1e-8 if accuracy > 1e-7 else 1e-9))
+    apart = quaternion.angle_between(coarse.attitude, fine.attitude).max()
+    assert apart <= coarse.reached + fine.reached <= accuracy + 1e-8
+
+
+def test_runs_of_the_taylor_method_that_are_off_alike_do_not_hide_it() -> None:
+    moments = [1.7903258151887087, 1.0768151145990816, 2.026331524821499]
+    spin = [-2.9189646978982806, 0.49751628396317693, -1.1421803692903238]
+    push = Torque([-9.624055360678368e-05, 0.00012389930311937656, 4.433907821421668e-05])
+    problem, time = RotationProblem(moments, spin, loads=(push,)), np.linspace(0.0, 1000.0, 11)
+    taylor = methods.METHODS["Taylor"]
+    truth = taylor.run(problem, time, taylor.tightest)
+    for control in np.geomspace(3e-14, 3e-13, 41).tolist():
+        states, estimate = taylor.solve(problem, time, control)
+        assert states.apart(truth) < estimate
 
 
 @pytest.mark.parametrize(

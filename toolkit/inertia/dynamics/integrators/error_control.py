@@ -81,11 +81,12 @@ class Adaptive(Integrator):
     tightest: float
     coarsest: float
     safety = 4.0
+    room = 30.0  # of the tolerance per radian below the accuracy, so that the first estimate is mostly within it
 
     def first(self, problem: RotationProblem, time: Float, accuracy: float) -> float:
-        """Return the tolerance accuracy/(30 phase)."""
+        """Return the tolerance accuracy/(room phase)."""
         phase = 1.0 + problem.rate * float(time[-1] - problem.start)
-        return float(min(max(accuracy / (30.0 * phase), self.tightest), 1e-3))
+        return float(min(max(accuracy / (self.room * phase), self.tightest), 1e-3))
 
     def finer(self, control: float, estimate: float, accuracy: float) -> float:
         """Return the tolerance in proportion, and not above a tenth."""
@@ -107,15 +108,15 @@ _STEADY = 0.3
 _AMPLIFIED = 7.0
 
 
-def apart_of_three(fine: States, middle: States, coarse: States, cost: float) -> float:
-    """Return max(d₁, d₂/10) in rad, from runs each of which has ten times the tolerance of the one before.
+def apart_of_three(fine: States, middle: States, coarse: States, cost: float, share: float = 0.1) -> float:
+    """Return max(d₁, share d₂) in rad, from runs each of which has ten times the tolerance of the one before.
 
     d₁, d₂ are their distances. Where d₁ neither falls with the tolerance nor is what rounding costs, it is rounding
     that the motion has amplified, of which two runs may have got alike: then it counts `_AMPLIFIED` times as much.
     """
     finest, coarsest = fine.apart(middle), middle.apart(coarse)
     amplified = finest > max(_STEADY * coarsest, 10.0 * cost)
-    return max((_AMPLIFIED if amplified else 1.0) * finest, 0.1 * coarsest)
+    return max((_AMPLIFIED if amplified else 1.0) * finest, share * coarsest)
 
 
 def walk(problem: RotationProblem, states: States, length: float) -> float:

@@ -17,7 +17,7 @@ import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.dynamics.computing_time import Watch
-from inertia.dynamics.integrators.rotation import RotationProblem, power_of_two
+from inertia.dynamics.integrators.rotation import Figures, RotationProblem, power_of_two
 from inertia.dynamics.integrators.terms import HEAD, VECTOR
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.observer import meanwhile
@@ -58,14 +58,14 @@ class Units:
     Attributes
     ----------
     moments : (3,) principal moments; packed : the loads, `terms.Terms.packed`; vectors : how many are fixed in space
-    addresses : where both arrays lie, for a kernel
+    figures : all of them, for a kernel
     decay : the fastest rate at which damping takes spin away
     """
 
     def __init__(self, moments: Float, packed: Float) -> None:
         self.moments, self.packed = moments, packed
         self.vectors = (len(packed) - HEAD) // VECTOR
-        self.addresses = moments.ctypes.data, packed.ctypes.data
+        self.figures = moments, packed, self.vectors
         self.decay = float((packed[6:9] / moments).max())
 
     @staticmethod
@@ -140,9 +140,11 @@ def pieces(problem: RotationProblem, time: Float, axes: tuple[int, ...] = (0, 1,
 
 
 class Call(NamedTuple):
-    """A kernel, its own arguments after those that all share, and the arrays that they point into."""
+    """A kernel, the figures of the problem, its own arguments after those that all share, and the arrays that they
+    point into."""
 
     kernel: Kernel
+    figures: Figures
     arguments: tuple[float, ...]
     arrays: tuple[Float | Int, ...]
 
@@ -158,25 +160,36 @@ class Stepper(ABC):
     time = 0.0
     steps = 0
 
+    @property
+    def reached(self) -> float:
+        """How far it has come, which may be on the way to a sample."""
+        return self.time
+
     @abstractmethod
     def step(self, target: float) -> str | None:
         """Take a step towards the next sample at `target`, or beyond it; return why it cannot be taken, if so."""
 
     @abstractmethod
     def values(self, times: Float) -> Float:
-        """Return the states (n, 7) at `times` (n,), ascending, which lie within the last step."""
+        """Return the states (n, 7 + k) at `times` (n,), ascending, which lie within the last step."""
 
 
 class EqualSteps(Stepper):
     """Steps of equal length between samples, `counts` (n,) of them to each.
 
-    `advance` takes the time, the length of the step and the state (7,) to the state at the end of the step.
+    `advance` takes the time, the length of the step and the state (7 + k,) to the state at the end of the step.
     """
 
     def __init__(self, advance: Callable[[float, float, Float], Float], counts: Int, state: Float) -> None:
         self._advance, self._state = advance, state
         self._counts = iter(counts[counts > 0].tolist())
         self._number = self._count = 0
+        self._length = 0.0
+
+    @property
+    def reached(self) -> float:
+        """Where the last of the equal steps ended."""
+        return self.time + self._number % self._count * self._length if self._count else 0.0
 
     def step(self, target: float) -> str | None:
         """Take one of the equal steps to `target`."""
@@ -206,12 +219,14 @@ class Integrator(ABC):
     name, order : of the method
     keeps_length : whether the quaternions that it gives have unit length to rounding
     aside : the roundings by which the quaternion of other levels than the finest begins elsewhere
+    patience : finer controls in a row that do not lower the estimate, after which no other is tried
     """
 
     name: str
     order: int
     keeps_length = False
     aside = 4.0
+    patience = 1
 
     def run(self, problem: RotationProblem, time: Float, control: float, level: int = 0) -> States:
         """Return the states at `time` (n,), ascending from the start on; another `level` is another run to compare."""
@@ -238,7 +253,8 @@ class Integrator(ABC):
 
     def _in_kernel(self, piece: Piece, call: Call, rows: Float) -> int:
         """Write the rows of a piece by a kernel; return the steps."""
-        units, watch = piece.units, Watch()
+        (moments, packed, count), kernel = call.figures, call.kernel.function
+        watch = Watch()  # from here on: a kernel may be compiled first, which says nothing of its pace
         state = rows[piece.first].copy()
         radians = 3.0 * (piece.end - piece.start) * piece.problem.rate
         expected = int(radians) if radians < watch.left / _STEP else 0
@@ -246,22 +262,23 @@ class Integrator(ABC):
         while True:
             rows[piece.first + 1 : piece.last + 1, 0] = np.nan  # until a sample is reached
             with meanwhile(self._looking_on(piece, rows)):
-                steps = call.kernel.function(
-                    *units.addresses,
-                    units.vectors,
+                steps = kernel(
+                    address(moments),
+                    address(packed),
+                    count,
                     address(piece.time) + 8 * piece.first,
                     piece.last - piece.first,
                     piece.start,
                     piece.end,
                     piece.problem.rate,
                     most,
-                    address(rows) + 56 * piece.first,
+                    address(rows) + rows.strides[0] * piece.first,
                     *call.arguments,
                 )
             if steps >= 0:
                 return steps
             if steps == -1 or most == MAX_STEPS:
-                raise self._stopped("where the motion leaves float64" if steps == -1 else None)
+                raise self.refusal(piece, call) if steps == -1 else self._stopped()
             ahead = piece.first + int(np.isfinite(rows[piece.first + 1 : piece.last + 1, 0]).sum()) + 1
             reached = (piece.time[ahead] if ahead < piece.last else piece.end) - piece.start
             watch.require(min(float(reached / (piece.end - piece.start)), 0.99))
@@ -281,7 +298,7 @@ class Integrator(ABC):
             reason = stepper.step(float(targets[done]))
             if reason or stepper.steps > MAX_STEPS:
                 raise self._stopped(reason)
-            watch.require(stepper.time / end)
+            watch.require(stepper.reached / end)
             last = done + int(targets[done:].searchsorted(stepper.time, side="right"))
             if last > done:
                 values[done:last] = stepper.values(targets[done:last])
@@ -310,7 +327,7 @@ class Integrator(ABC):
         return look
 
     def _hand_on(self, piece: Piece, first: int, rows: Float) -> None:
-        """Hand on the states (k, 7) at the samples from `first` of a piece on, along the axes of the problem."""
+        """Hand on the rows (n, 7 + k) at the samples from `first` of a piece on, along the axes of the problem."""
         assert piece.problem.observer is not None
         begin = piece.first + first
         turn = quaternion.conjugate(quaternion.from_matrix(np.eye(3)[:, piece.axes]))
@@ -324,6 +341,10 @@ class Integrator(ABC):
             f"{self.name} stopped {reason}: check the loads, ask for a shorter run or use another method"
         )
 
+    def refusal(self, piece: Piece, call: Call) -> GeometryError:
+        """Return why a kernel could not take a step."""
+        return self._stopped("where the motion leaves float64")
+
     def axes(self, problem: RotationProblem) -> tuple[int, ...]:
         """Return the body axes in the order that the method takes them, a cyclic one."""
         return 0, 1, 2
@@ -334,7 +355,7 @@ class Integrator(ABC):
 
     @abstractmethod
     def stepper(self, piece: Piece, state: Float, control: float, level: int) -> Stepper:
-        """Return the method at the beginning of a piece, with the state (q, ω), (7,), in the problem's units."""
+        """Return the method at the beginning of a piece, with the state (7 + k,) in the problem's units."""
 
     @abstractmethod
     def first(self, problem: RotationProblem, time: Float, accuracy: float) -> float:
@@ -350,7 +371,7 @@ class Integrator(ABC):
 
 
 def begin(problem: RotationProblem, level: int, turned: float) -> Float:
-    """Return the state (q, ω), (7,), that a run begins with, ω in rad/s, and what the problem carries along.
+    """Return the state (7 + k,) that a run begins with: q, ω in rad/s, and what the problem carries along.
 
     Other levels than the finest begin a rounding aside in ω, `turned` of them in the quaternion, so that their distance
     also holds what the motion makes of rounding: near a separatrix that is much.

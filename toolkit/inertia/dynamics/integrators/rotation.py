@@ -15,10 +15,14 @@ from inertia.dynamics.loads.load import Load
 from inertia.dynamics.observer import Observer
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.tensor import array_of
+from inertia.native import Kernel
 from inertia.records import dataclass
 
 _SLOWEST = 1e-9
 """Of the rate that the loads have elsewhere: a unit of time that is slower would leave float64."""
+
+Figures = tuple[Float, Float, int]
+"""What a kernel knows a problem by: principal moments (3,), all else in one array, and how many vectors are in it."""
 
 _QUARTER_TURNS = np.sqrt(0.5) * (np.eye(4)[:3] + np.eye(4)[3])
 
@@ -38,6 +42,7 @@ class RotationProblem:
     start : s, the instant at which the body is so
     mass : kg; arm : (3,) m, along the principal axes, from the reference point to the centre of mass: for gravity
     observer : what is handed samples, along the principal axes, while they are stepped
+    numbers : what the axes are called in the names of what is kept
     """
 
     caution: ClassVar[float] = 1.0
@@ -54,6 +59,7 @@ class RotationProblem:
     mass: float = 0.0
     arm: Float = (0.0, 0.0, 0.0)  # type: ignore[assignment]
     observer: Observer | None = None
+    numbers: tuple[int, ...] = (1, 2, 3)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "moments", array_of(self.moments, (3,), "moments"))
@@ -171,6 +177,11 @@ class RotationProblem:
         return np.empty(0)
 
     @property
+    def dop853(self) -> tuple[Kernel, Figures] | None:
+        """The kernel of DOP853 for a `rhs` of its own, and the figures that it takes; None where there is none."""
+        return None
+
+    @property
     def unit(self) -> Float:
         """The units (7 + k,) of the state: 1, and `rate` of ω."""
         return np.array([1.0] * 4 + [self.rate] * 3)
@@ -200,7 +211,8 @@ class RotationProblem:
                 name = ", ".join(f"{x:.4g}" for x in row)
                 invariants[f"angular momentum along ({name}) in space"] = momentum @ row
         for k in self._symmetry_axes:
-            invariants[f"angular momentum about body axis {k + 1}"] = self.moments[k] * angular_velocity[..., k]
+            name = f"angular momentum about body axis {self.numbers[k]}"
+            invariants[name] = self.moments[k] * angular_velocity[..., k]
         return invariants
 
     def drift(self, attitude: Float, angular_velocity: Float) -> float:

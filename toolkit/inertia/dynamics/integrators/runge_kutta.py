@@ -32,7 +32,7 @@ class RungeKutta4(FixedStep):
         many = _KERNEL.worthwhile(int(counts.sum()) * STEP_COST)
         if not many or piece.problem.terms(piece.start) is None:
             return None
-        return Call(_KERNEL, (address(counts),), (counts,))
+        return Call(_KERNEL, piece.units.figures, (address(counts),), (counts,))
 
     def step(self, piece: Piece) -> Callable[[float, float, Float], Float]:
         """Return y + h/6 (k₁ + 2 (k₂ + k₃) + k₄)."""

@@ -1,4 +1,4 @@
-"""SciPy's adaptive methods, on (q, ω) in units of the problem's own time.
+"""SciPy's adaptive methods, on (q, ω) in units of the problem's own time; DOP853 by a kernel where the problem has one.
 
 DOP853 for torques that are no polynomial, LSODA and Radau for stiff ones. Hairer, Nørsett & Wanner, *Solving ODEs I*,
 § II.5; Petzold, SIAM J. Sci. Stat. Comput. 4 (1983) 136; Hairer & Wanner, *Solving ODEs II*, § IV.8.
@@ -19,8 +19,18 @@ from numpy.polynomial import chebyshev
 
 from inertia.arrays import Float
 from inertia.dynamics.integrators.error_control import Adaptive, apart_of_three, rounding
-from inertia.dynamics.integrators.loop import Piece, States, Stepper
+from inertia.dynamics.integrators.loop import Call, Piece, States, Stepper
 from inertia.dynamics.integrators.rotation import RotationProblem
+from inertia.errors import GeometryError
+from inertia.native import address
+
+STEP_COST = 300
+"""A step of DOP853 by SciPy in units of `native.Kernel.worthwhile`."""
+
+_IMPORT = 1000  # in these units, that importing SciPy costs at the very least
+
+_ROWS = 27
+"""Rows of a table of the kernel: the first two say when and at what state it looked at the equations last."""
 
 ORDERS = {"DOP853": 8, "LSODA": 12, "Radau": 5}
 """The highest order that each uses."""
@@ -43,7 +53,7 @@ _HALVINGS = 60
 class SciPy(Adaptive):
     """One of SciPy's methods; any load. It begins again at every kink of the loads.
 
-    The steps that it states are evaluations of the right-hand side: SciPy does not count its steps.
+    The steps that it states are evaluations of the right-hand side, a kernel's too: SciPy does not count its steps.
     """
 
     tightest = coarsest = 2.3e-14
@@ -71,21 +81,47 @@ class SciPy(Adaptive):
             estimate = max(0.5 * estimate, self.safety * problem.caution * fine.apart(finer))
         return fine, estimate
 
+    def compiled(self, piece: Piece, control: float, level: int) -> Call | None:
+        """Return the kernel of DOP853 where the problem has one and that repays."""
+        known = piece.problem.dop853 if self.name == "DOP853" else None
+        if known is None:
+            return None
+        (kernel, figures), unit, longest = known, piece.problem.unit, self._longest(piece, level)
+        steps = min(float(piece.targets[-1]) / min(longest, 1.0), 1e12)
+        if not kernel.worthwhile(_IMPORT + int(steps) * STEP_COST):
+            return None
+        table = np.zeros((_ROWS, len(unit)))
+        own = self.tolerance(control, level), longest, address(table), address(unit)
+        return Call(kernel, figures, own, (table, unit))
+
+    def refusal(self, piece: Piece, call: Call) -> GeometryError:
+        """Return what the equations have against the state that the kernel stopped at, or that its steps vanish."""
+        (time, *_), state, *_ = call.arrays[0]
+        if np.isfinite(state).all():
+            piece.rhs()(float(time), state)  # which raises what is its own to say
+        return self._stopped(_between(piece, "the steps that the tolerance asks for are below the spacing of numbers"))
+
+    def _longest(self, piece: Piece, level: int) -> float:
+        """Return the longest step in the problem's units."""
+        longest = min(piece.problem.longest_step, piece.problem.stable_step if self.name == "DOP853" else np.inf)
+        # Where this limit rules and not the tolerance, runs of two levels must differ all the same to be compared.
+        return float(longest * piece.problem.rate * 10.0 ** ((level - 1) / ORDERS["DOP853"]))
+
     def stepper(self, piece: Piece, state: Float, control: float, level: int) -> Stepper:
         """Return SciPy's solver."""
         import scipy.integrate
 
-        tolerance = self.tolerance(control, level)
+        tolerance, most = self.tolerance(control, level), self._longest(piece, level)
         method, rhs, end = getattr(scipy.integrate, self.name), piece.rhs(), float(piece.targets[-1])
-        explicit = self.name == "DOP853"
-        longest = min(piece.problem.longest_step, piece.problem.stable_step if explicit else np.inf)
-        # Where this limit rules and not the tolerance, runs of two levels must differ all the same to be compared.
-        most = longest * piece.problem.rate * 10.0 ** ((level - 1) / ORDERS["DOP853"])
 
         def begin(time: float, state: Float, longest: float) -> Any:
             return method(rhs, time, state, end, rtol=tolerance, atol=tolerance, max_step=min(longest, most))
 
         return _Solver(begin, state, piece, _Probes(piece, rhs, tolerance, level) if piece.problem.probed else None)
+
+
+def _between(piece: Piece, why: str) -> str:
+    return f"between {piece.start:.6g} and {piece.end:.6g} s ({why})"
 
 
 class _Solver(Stepper):
@@ -114,7 +150,7 @@ class _Solver(Stepper):
             message = self._solver.step()
         self.time, self.steps = self._solver.t, self._before + self._solver.nfev
         if self._solver.status == "failed":
-            return f"between {self._piece.start:.6g} and {self._piece.end:.6g} s ({message})"
+            return _between(self._piece, message)
         return None
 
     def _again(self, time: float, state: Float, longest: float) -> None:

@@ -116,7 +116,7 @@ class Splitting(FixedStep):
         counts = self.counts(piece, control, level)
         if not _KERNEL.worthwhile(int(counts.sum()) * len(self.pairs) * STAGE_COST):
             return None
-        return Call(_KERNEL, (address(counts), address(self.pairs), len(self.pairs)), (counts,))
+        return Call(_KERNEL, piece.units.figures, (address(counts), address(self.pairs), len(self.pairs)), (counts,))
 
     def step(self, piece: Piece) -> Callable[[float, float, Float], Float]:
         """Do what the kernel does, a flow at a time."""

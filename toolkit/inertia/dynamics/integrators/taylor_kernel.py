@@ -235,7 +235,7 @@ def taylor(simple):
         return (target - now) - slack > reach
 
     @inline
-    def step(work, clock, state):
+    def step(work, clock, state, target):
         moments, terms, count, order, tolerance, table = work
         now, slack, reach = clock
         a, b, c, d, e, f, g = state
@@ -253,7 +253,7 @@ def taylor(simple):
         put(table, 0, 0, 0, a, b, c, d, e, f, g, 0.0)
         expand(moments, terms, count, simple, now, order, table)
         reach = length(table, order, tolerance)
-        return (now, slack, reach), (a, b, c, d, e, f, g), fine and reach > 0.0
+        return (now, slack, reach), (a, b, c, d, e, f, g), 1 if fine and reach > 0.0 else 0
 
     @inline
     def within(work, clock, state, target):

@@ -153,7 +153,7 @@ def polhode_family(moments: ArrayLike, samples: int = 361) -> list[Float]:
 
     Parameters
     ----------
-    moments : (3,) kg m², ascending, all different
+    moments : (3,) kg m², in any order, all different
     samples : along each curve
 
     >>> curves = polhode_family([1, 2, 3], samples=5)
@@ -161,11 +161,12 @@ def polhode_family(moments: ArrayLike, samples: int = 361) -> list[Float]:
     (16, [1.0, 1.0, 1.0, 1.0, 1.0])
     """
     moments = moments_of(array_of(moments, (3,), "moments"))
+    low, middle, high = np.argsort(moments).tolist()
     curves: list[Float] = []
     for share in _SHARES:
-        for axis in (0, 2):
+        for axis in (low, high):
             direction = np.zeros(3)
-            direction[[axis, 1]] = math.sqrt(1.0 - share), math.sqrt(share)
+            direction[[axis, middle]] = math.sqrt(1.0 - share), math.sqrt(share)
             curves += list(moments * polhode(moments, direction / moments, samples).branches)
     return curves
 

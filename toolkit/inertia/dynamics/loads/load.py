@@ -36,6 +36,10 @@ class TurningBody(Protocol):
     def arm(self) -> Float:
         """From the reference point to the centre of mass, (3,) m."""
 
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """What the axes are called."""
+
 
 @dataclass(frozen=True, eq=False)
 class Load(Section, ABC):

@@ -333,7 +333,7 @@ class Orbit(Load):
         momentum = body.moments * angular_velocity
         largest = float(np.linalg.norm(momentum, axis=1).max())
         even = [k for k in range(3) if body.moments[k - 1] == body.moments[k - 2]]
-        kept = {f"angular momentum about body axis {k + 1}": (momentum[:, k], largest) for k in even}
+        kept = {f"angular momentum about body axis {body.numbers[k]}": (momentum[:, k], largest) for k in even}
         if not self.ellipse.circular:
             return kept
         rate, normal = self.ellipse.motion, self.ellipse.axes[:, 2]
@@ -346,7 +346,7 @@ class Orbit(Load):
         return kept | {"Jacobi integral": (kinetic + potential - carried, size)}
 
     def librations(
-        self, attitude: Float, angular_velocity: Float, moments: Float
+        self, attitude: Float, angular_velocity: Float, body: TurningBody
     ) -> tuple[dict[str, Float], tuple[str, ...]]:
         """Return the periods in s of small swings about the principal axes nearest to those of the orbit, and say them.
 
@@ -356,7 +356,7 @@ class Orbit(Load):
 
         Parameters
         ----------
-        attitude : (4,) of the principal axes at t = 0; angular_velocity : (3,) rad/s along them; moments : (3,) kg m²
+        attitude : (4,) of the principal axes at t = 0; angular_velocity : (3,) rad/s along them
         """
         ellipse = self.ellipse
         if ellipse.eccentricity > _SLENDER:
@@ -368,14 +368,15 @@ class Orbit(Load):
         near = min(abs(turn[0, radial]), abs(turn[1, along]), abs(turn[2, normal])) > math.sqrt(0.5)
         if not near or np.linalg.norm(slip) > ellipse.motion:
             return {}, ()
-        one, two, three = (float(moments[k]) for k in (radial, along, normal))
+        one, two, three = (float(body.moments[k]) for k in (radial, along, normal))
         flat, a, b = (two - one) / three, (three - one) / two, (three - two) / one
         roots = np.roots([1.0, -(1.0 + 3.0 * a + a * b), 4.0 * a * b]).astype(complex)
         squares = np.array([3.0 * flat, *sorted(roots, key=lambda root: -root.real)])
         if (np.abs(squares) < _EVEN).any():
             return {}, ()
         how = (
-            f"With axis {radial + 1} along the radius and axis {normal + 1} along the normal of a circular orbit, small"
+            f"With axis {body.numbers[radial]} along the radius and axis {body.numbers[normal]} along the normal of a "
+            "circular orbit, small"
         )
         growth = float(np.sqrt(-squares).real.max()) * ellipse.motion
         if growth > _EVEN * ellipse.motion:

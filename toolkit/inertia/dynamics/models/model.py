@@ -23,6 +23,7 @@ from inertia.dynamics.loads.load import Load
 from inertia.dynamics.models.neighbours import InputBound
 from inertia.dynamics.models.rational import Exact, rounded
 from inertia.dynamics.motion import Motion
+from inertia.dynamics.scene.body import nearest
 from inertia.dynamics.scene.document import NO_THICKNESS, Scene
 from inertia.mass.principal import principal
 from inertia.records import dataclass
@@ -272,6 +273,12 @@ class Candidate:
     def arm(self) -> Float:
         """From the reference point to the centre of mass, (3,) m along the axes."""
         return self.axes.T @ (self.problem.axes @ self.problem.arm)
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """What the axes are called: the numbers, from 1, of the nearest of those that ``frame = "principal"`` means."""
+        _, order = nearest(self.axes, self.problem.scene.body.axes)
+        return tuple(order.index(k) + 1 for k in range(3))
 
     @property
     def attitude(self) -> Float:

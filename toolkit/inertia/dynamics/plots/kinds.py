@@ -12,7 +12,7 @@ from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.polhode import polhode, polhode_family, separatrix
 from inertia.dynamics.plots.projection import FAINT, INK, Projection
-from inertia.dynamics.plots.subject import Subject, ascending
+from inertia.dynamics.plots.subject import Subject, numbered
 from inertia.dynamics.plots.swing import Swing, Window, heavy_top_of, swing_of
 from inertia.errors import UsageError
 from inertia.palette import BLUE, GREEN, ORANGE, PLUM, VERMILLION
@@ -120,7 +120,7 @@ def _plain(axes: Axes, x: str, y: str, title: str) -> None:
 
 def _angular_velocity(axes: Axes, run: Subject) -> None:
     deforms = run.plan.problem.scene.body.deforms
-    along = np.eye(3) if deforms else ascending(run.plan)[1]
+    along = np.eye(3) if deforms else numbered(run.plan)[1]
     omega, coarse = run.angular_velocity @ along, _is_coarse(run)
     for k in range(3):
         _line(axes, run.time, omega[:, k], coarse, color=_LINES[k], label=f"ω{_SUBSCRIPTS[k]}")
@@ -135,7 +135,7 @@ def _eye(vector: Float) -> Float:
 
 
 def _polhode(axes: Axes, run: Subject) -> None:
-    moments, along = ascending(run.plan)
+    moments, along = numbered(run.plan)
     omega = run.angular_velocity[0] @ along
     double = float((moments * omega**2).sum())
     seen = Projection(np.sqrt(double / moments), _eye(omega), np.array([0.0, 0.0, 1.0]))
@@ -156,7 +156,7 @@ def _polhode(axes: Axes, run: Subject) -> None:
 
 
 def _momentum_sphere(axes: Axes, run: Subject) -> None:
-    moments, along = ascending(run.plan)
+    moments, along = numbered(run.plan)
     momentum = quaternion.to_body(run.attitude, run.angular_momentum) @ along
     size = np.linalg.norm(momentum, axis=1)
     turning = size > 1e-9 * size.max()  # at rest L has no direction
@@ -181,8 +181,8 @@ def _momentum_sphere(axes: Axes, run: Subject) -> None:
     axes.plot(*seen.at(path[0]), "o", color=INK, markersize=7, zorder=9, label=f"L {_when(run, 0)}")
     seen.draw_axes(axes, [f"L{_SUBSCRIPTS[k]}{'' if seen.toward[k] >= 0 else ' < 0'}" for k in range(3)])
     bare(axes)
-    ends = _extent(size[0], size[-1])
-    axes.set_title(f"Momentum sphere, along the principal axes\n|L| = {ends} kg m²/s", fontsize=12)
+    extent = _extent(float(np.where(turning, size, 0.0).min()), float(size.max()))
+    axes.set_title(f"Momentum sphere, along the principal axes\n|L| = {extent} kg m²/s", fontsize=12)
     _legend_below(axes)
 
 
@@ -197,8 +197,8 @@ def _extent(one: float, other: float) -> str:
 
 
 def _distinct(moments: Float) -> int:
-    """Return how many moments, ascending, there are that differ by more than rounding."""
-    return 1 + int((np.diff(moments) > _EQUAL * moments[2]).sum())
+    """Return how many moments there are that differ by more than rounding."""
+    return 1 + int((np.diff(np.sort(moments)) > _EQUAL * moments.max()).sum())
 
 
 def _legend_below(axes: Axes) -> None:
@@ -343,14 +343,14 @@ def _swings(run: Subject) -> bool:
 
 def _is_free(run: Subject) -> bool:
     problem = run.plan.problem
-    moments, _ = ascending(run.plan)
+    moments, _ = numbered(run.plan)
     turns = problem.rigid and not problem.torques and not problem.weight and run.angular_velocity[0].any()
     return bool(turns) and _distinct(moments) > 1
 
 
 def _has_ellipsoid(run: Subject) -> bool:
-    moments, _ = ascending(run.plan)
-    return _is_free(run) and float(moments[2] / moments[0]) <= _LONGEST**2
+    moments, _ = numbered(run.plan)
+    return _is_free(run) and float(moments.max() / moments.min()) <= _LONGEST**2
 
 
 def _has_momentum_sphere(run: Subject) -> bool:

@@ -9,6 +9,10 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.plan import Plan
+from inertia.dynamics.scene.body import nearest
+
+_DIAGONAL = 1e-9
+"""Of the largest moment, up to which a product of inertia is taken for zero."""
 
 
 class Subject(Protocol):
@@ -39,13 +43,19 @@ class Subject(Protocol):
         """Further outputs of the model."""
 
 
-def ascending(plan: Plan) -> tuple[Float, Float]:
+def numbered(plan: Plan) -> tuple[Float, Float]:
     """Return the moments (3,) kg m² about the point that the body turns about, and the axes (3, 3) as columns.
 
-    The model has its own order, as the symmetry axis last; the axes stay right-handed.
+    They are numbered as those that ``frame = "principal"`` means, and are these where the model's tensor is diagonal
+    along them; about another point than the centre of mass they are the nearest to them. The model has its own order,
+    as the symmetry axis last.
     """
-    order = np.argsort(plan.moments, kind="stable")
-    axes = plan.axes[:, order]
-    if np.linalg.det(axes) < 0:
-        axes[:, 2] *= -1.0
-    return plan.moments[order], axes
+    axes = plan.problem.scene.body.axes
+    turn = axes.T @ plan.axes
+    along = turn * plan.moments @ turn.T
+    if np.abs(along - np.diag(np.diagonal(along))).max() <= _DIAGONAL * plan.moments.max():
+        moments = np.empty(3)
+        moments[np.argsort(np.diagonal(along), kind="stable")] = np.sort(plan.moments)
+        return moments, axes
+    axes, order = nearest(plan.axes, axes)
+    return plan.moments[list(order)], axes

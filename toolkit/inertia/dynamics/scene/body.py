@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
+from itertools import permutations
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -144,7 +145,9 @@ class SceneBody:
 
     @property
     def moments(self) -> Float:
-        """The moments (3,) kg m² about `axes`."""
+        """The moments (3,) kg m² about `axes`, in their order."""
+        if np.array_equal(self.axes, self.principal.axes):
+            return self.principal.moments
         return np.diagonal(self.axes.T @ self.inertia @ self.axes)
 
     def about(self, point: Float) -> Float:
@@ -173,6 +176,21 @@ def build(source: BodySource, folder: Path) -> SceneBody:
     except GeometryError as error:
         field = "inertia" if source.principal_moments is None else "principal_moments"
         raise placed(error, FieldPath(f"body.{field}")) from None
+
+
+def nearest(columns: Float, axes: Float) -> tuple[Float, tuple[int, ...]]:
+    """Return orthogonal columns (3, 3) in the order, and with the signs, that bring them nearest to `axes`; the order.
+
+    >>> nearest(np.eye(3)[:, [1, 2, 0]], np.eye(3))
+    (array([[1., 0., 0.],
+           [0., 1., 0.],
+           [0., 0., 1.]]), (2, 0, 1))
+    """
+    overlap = axes.T @ columns
+    order = max(permutations(range(3)), key=lambda order: float(np.abs(overlap[range(3), order]).sum()))
+    signs = np.sign(overlap[range(3), order])
+    moved: Float = columns[:, order] * np.where(signs == 0, 1.0, signs)
+    return moved if np.linalg.det(moved) > 0 else moved * (1.0, 1.0, -1.0), order
 
 
 def is_assembly(file: str) -> bool:

@@ -6,7 +6,6 @@ import re
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from difflib import get_close_matches
-from itertools import permutations
 from numbers import Real
 from typing import Any
 
@@ -16,7 +15,7 @@ from inertia.arrays import Float
 from inertia.documents import FieldError
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.deforming.jointed_body import JointedBody
-from inertia.dynamics.scene.body import SceneBody
+from inertia.dynamics.scene.body import SceneBody, nearest
 from inertia.dynamics.scene.document import Scene
 from inertia.errors import GeometryError
 from inertia.records import dataclass
@@ -219,7 +218,7 @@ def _body(body: SceneBody, entries: Mapping[str, Entries]) -> SceneBody:
         more = both @ _filled(np.zeros(both.shape[1]), entries["uncertainty"])
         mass = None if mass is None else mass + more[0]
         center, tensor = center + more[1:4], tensor + tensor_of(more[4:])
-        axes = _nearest(np.linalg.eigh(tensor)[1], axes)
+        axes = nearest(np.linalg.eigh(tensor)[1], axes)[0]
     center = _filled(center, entries.get("center_of_mass", {}))
     inertia, axes = _tensor(tensor, axes, entries)
     return replace(body, inertia=inertia, mass=mass, center_of_mass=center, axes=axes, properties=None)
@@ -239,16 +238,7 @@ def _tensor(inertia: Float, axes: Float, entries: Mapping[str, Entries]) -> tupl
     tensor = _filled(inertia, both)
     if not np.isfinite(tensor).all():
         return tensor, axes
-    return tensor, _nearest(np.linalg.eigh(tensor)[1], axes)
-
-
-def _nearest(columns: Float, axes: Float) -> Float:
-    """Return the columns in the order, and with the signs, that bring them nearest to `axes`."""
-    overlap = axes.T @ columns
-    order = max(permutations(range(3)), key=lambda order: float(np.abs(overlap[range(3), order]).sum()))
-    signs = np.sign(overlap[range(3), order])
-    nearest: Float = columns[:, order] * np.where(signs == 0, 1.0, signs)
-    return nearest if np.linalg.det(nearest) > 0 else nearest * (1.0, 1.0, -1.0)
+    return tensor, nearest(np.linalg.eigh(tensor)[1], axes)[0]
 
 
 def _assembly(body: SceneBody, sections: Mapping[str, Mapping[str, Entries]]) -> SceneBody:
@@ -273,4 +263,4 @@ def _assembly(body: SceneBody, sections: Mapping[str, Mapping[str, Entries]]) ->
         tensor: Entries = {at: x for (i, j), x in entries.get("inertia", {}).items() for at in ((i, j), (j, i))}
         parts[k] = replace(part, inertia=_filled(part.inertia, {**diagonal, **tensor}), **own)
     made = SceneBody.of_assembly(JointedBody(tuple(parts)), body.meshes, body.notes)
-    return replace(made, axes=_nearest(made.axes, body.axes))
+    return replace(made, axes=nearest(made.axes, body.axes)[0])

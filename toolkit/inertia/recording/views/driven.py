@@ -9,7 +9,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.plots.subject import ascending
+from inertia.dynamics.plots.subject import numbered
 from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.display import Display, display_of
@@ -76,9 +76,9 @@ def screen(run: Run) -> Screen:
         write_reactions(recording, run)
         if "energy" not in run.invariants:
             write_energy(recording, run)
-        write_angular_velocity(recording, run, ascending(run.plan)[1])
+        write_angular_velocity(recording, run, numbered(run.plan)[1])
         if run.angular_momentum.any() and "angle" not in run.quantities:
-            write_angles_from_momentum(recording, run, ascending(run.plan)[1])
+            write_angles_from_momentum(recording, run, numbered(run.plan)[1])
         write_euler_angles(recording, run)
         if "angle" in run.quantities:
             _write_angle(recording, run)
@@ -157,7 +157,7 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames) 
     size, thick = body.radius, _THICK * body.radius
     recording.static(entities.WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
     recording.static(entities.MESH, body.archetype())
-    axes = ascending(run.plan)[1]
+    axes = numbered(run.plan)[1]
     yield from write_marks(recording, body, spin_axes(axes, run.angular_velocity[0]))
     write_axes(recording, entities.BODY_AXES, _AXES * size * axes, thick)
     frames.write_attitude(recording)

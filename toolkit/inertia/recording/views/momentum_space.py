@@ -11,7 +11,7 @@ from inertia import palette
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.polhode import polhode, polhode_family, separatrix
-from inertia.dynamics.plots.subject import ascending
+from inertia.dynamics.plots.subject import numbered
 from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.drawing import (
@@ -42,7 +42,7 @@ _LONGEST = 2.0  # semi-axis beyond which an ellipsoid would hide what is inside 
 
 def write_momentum_space(recording: Recording, run: Run, frames: Frames) -> str:
     """Write the body view of a body that no torque turns, and return what is to be seen."""
-    moments, axes = ascending(run.plan)
+    moments, axes = numbered(run.plan)
     along = quaternion.to_body(frames.attitude, frames.angular_momentum) @ axes
     unit = largest(along)
     along = along / unit
@@ -57,10 +57,18 @@ def write_momentum_space(recording: Recording, run: Run, frames: Frames) -> str:
     curves = moments * polhode(moments, omega, _SAMPLES).branches / unit
     write_lines(recording, entities.POLHODE, list(curves), POLHODE, 1.5 * _LINE)
     note = "L moves along the polhode (yellow), where the momentum sphere (blue) meets the energy ellipsoid (red)"
-    if np.diff(moments).min() <= _EQUAL * moments[2]:
+    if not _all_differ(moments):
         return note
     _write_family(recording, moments)
-    return f"{note}; the separatrix (pink) parts polhodes about axis 1 from those about axis 3, some of which are grey"
+    low, high = np.argmin(moments) + 1, np.argmax(moments) + 1
+    return (
+        f"{note}; the separatrix (pink) parts polhodes about axis {low} (smallest moment) from those about axis {high} "
+        "(largest), some of which are grey"
+    )
+
+
+def _all_differ(moments: Float) -> bool:
+    return bool(np.diff(np.sort(moments)).min() > _EQUAL * moments.max())
 
 
 def _write_family(recording: Recording, moments: Float) -> None:
@@ -72,7 +80,7 @@ def _write_family(recording: Recording, moments: Float) -> None:
 
 def write_moving_momentum_space(recording: Recording, run: Run, frames: Frames) -> str:
     """Write L along the principal axes of a body that is driven, with the sphere and the ellipsoid as they change."""
-    moments, axes = ascending(run.plan)
+    moments, axes = numbered(run.plan)
     along = longest_as(1.0, quaternion.to_body(frames.attitude, frames.angular_momentum) @ axes)
     radius = np.linalg.norm(along, axis=1)
     twice = np.divide(along**2, moments, out=np.zeros_like(along), where=moments > 0).sum(axis=1)
@@ -90,7 +98,7 @@ def write_moving_momentum_space(recording: Recording, run: Run, frames: Frames) 
         if _length(near) <= _WOUND:
             write_lines(recording, entities.PATH_OF_MOMENTUM, [thinned(near)], PATH, 0.5 * _LINE)
     beside = ""
-    if np.ptp(radius) <= _EQUAL and np.diff(moments).min() > _EQUAL * moments[2]:
+    if np.ptp(radius) <= _EQUAL and _all_differ(moments):
         _write_family(recording, moments)
         beside = "; L goes from one polhode (grey) to the next, across the separatrix (pink)"
     left_out = f"; it is left out while it is over {_LONGEST:g} times as long as the sphere" if hiding.any() else ""

@@ -13,7 +13,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.polhode import polhode
-from inertia.dynamics.plots.subject import ascending
+from inertia.dynamics.plots.subject import numbered
 from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.drawing import COLORS, TRAIL, basis, circle, write_lines, write_point
@@ -61,7 +61,7 @@ def write_poinsot(recording: Recording, run: Run, frames: Frames, scale: float, 
     """
     import rerun as rr
 
-    moments, axes = ascending(run.plan)
+    moments, axes = numbered(run.plan)
     semi_axes, height, reach, down = _sizes(run, scale)
     recording.static(
         entities.INERTIA_ELLIPSOID,
@@ -101,7 +101,7 @@ def write_poinsot(recording: Recording, run: Run, frames: Frames, scale: float, 
 def _sizes(run: Run, scale: float) -> tuple[Float, float, float, Float]:
     """Return the semi-axes (3,) of the ellipsoid, how far away the plane is and how far it reaches, and its direction
     (3,): that of L."""
-    moments, axes = ascending(run.plan)
+    moments, axes = numbered(run.plan)
     omega = run.angular_velocity[0] @ axes
     double, momentum = float((moments * omega**2).sum()), float(np.linalg.norm(moments * omega))
     semi_axes = scale * np.sqrt(double / moments)

@@ -12,7 +12,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.models.free.flips import polhode_period
-from inertia.dynamics.plots.subject import ascending
+from inertia.dynamics.plots.subject import numbered
 from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.display import Display, display_of, facets
@@ -63,7 +63,6 @@ if TYPE_CHECKING:
     import rerun.blueprint as rrb
 
 BODY_CONE, SPACE_CONE = (*COLORS[1], 90), (*OMEGA, 70)
-FLIP_STATES = ("+2", "−2")
 
 _OMEGA, _MOMENTUM, _AXES = 1.3, 1.55, 1.15  # lengths of arrows, over the radius of the body
 _THICK = 0.012
@@ -90,11 +89,11 @@ def screen(run: Run) -> Screen:
             notes.append(write_poinsot(recording, run, frames, scale, thick))
         if wobbles(run) and frames.play.near:
             notes.append(write_dial(recording, run, frames))
-        write_angular_velocity(recording, run, ascending(run.plan)[1])
-        along = run.angular_velocity @ ascending(run.plan)[1][:, 1]
-        write_events(recording, entities.PLOT_ANGULAR_VELOCITY, run, "flip", along)
+        write_angular_velocity(recording, run, numbered(run.plan)[1])
+        _, middle = _intermediate(run)
+        write_events(recording, entities.PLOT_ANGULAR_VELOCITY, run, "flip", run.angular_velocity @ middle)
         if run.angular_momentum[0].any():
-            write_angles_from_momentum(recording, run, ascending(run.plan)[1])
+            write_angles_from_momentum(recording, run, numbered(run.plan)[1])
         write_euler_angles(recording, run)
         if run.invariants:
             write_drift(recording, run)
@@ -134,7 +133,7 @@ def _blueprint(run: Run, body: Display, frames: Frames) -> rrb.Blueprint:
     left: list[Any] = [rrb.Horizontal(inertial, along_axes, column_shares=[1, 1])]
     shares = [3.0]
     if _flips(run):
-        left.append(state_timeline(entities.FLIPS, "Flips: the spin about axis 2", duration))
+        left.append(state_timeline(entities.FLIPS, f"Flips: the spin about axis {_intermediate(run)[0]}", duration))
         shares.append(0.8)
     below: list[Any] = [text_view()]
     others: list[Any] = [dial_view()] if wobbles(run) and frames.play.near else []
@@ -184,7 +183,7 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames, 
     size = body.radius
     recording.static(entities.WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
     recording.static(entities.MESH, body.archetype())
-    axes = ascending(run.plan)[1]
+    axes = numbered(run.plan)[1]
     yield from write_marks(recording, body, spin_axes(axes, run.angular_velocity[0]))
     write_axes(recording, entities.BODY_AXES, _AXES * size * axes, _THICK * size)
     frames.write_attitude(recording)
@@ -269,14 +268,23 @@ def _flips(run: Run) -> list[float]:
     return [event.time for event in run.events if event.name == "flip"]
 
 
+def _intermediate(run: Run) -> tuple[int, Float]:
+    """Return the number, from 1, and the axis (3,), part axes, of the intermediate moment."""
+    moments, axes = numbered(run.plan)
+    k = int(np.argsort(moments, kind="stable")[1])
+    return k + 1, axes[:, k]
+
+
 def _write_flips(recording: Recording, run: Run) -> None:
     """Write the sense of the spin about the intermediate axis, at the start and from each flip on."""
     import rerun as rr
 
     if not (flips := _flips(run)):
         return
-    first = 0 if run.angular_velocity[0] @ ascending(run.plan)[1][:, 1] > 0 else 1
-    states = [FLIP_STATES[(first + k) % 2] for k in range(len(flips) + 1)]
-    recording.static(entities.FLIPS, rr.StateConfiguration(values=FLIP_STATES, colors=STATE_COLORS))
+    number, middle = _intermediate(run)
+    senses = f"+{number}", f"−{number}"
+    first = 0 if run.angular_velocity[0] @ middle > 0 else 1
+    states = [senses[(first + k) % 2] for k in range(len(flips) + 1)]
+    recording.static(entities.FLIPS, rr.StateConfiguration(values=senses, colors=STATE_COLORS))
     time = np.array([run.time[0], *flips])
     recording.columns(entities.FLIPS, time, lambda rows: rr.StateChange.columns(state=states[rows]))

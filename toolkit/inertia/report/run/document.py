@@ -71,8 +71,8 @@ def _body_document(scene: Scene) -> dict[str, Any]:
         "mass": body.mass,
         "center_of_mass": body.center_of_mass.tolist(),
         "inertia": body.inertia.tolist(),
-        "principal_moments": body.principal.moments.tolist(),
-        "principal_axes": scene.body.axes.tolist(),
+        "principal_moments": body.moments.tolist(),
+        "principal_axes": body.axes.tolist(),
         "class": body.principal.kind,
     }
     if scene.body.assembly is not None:

@@ -192,8 +192,10 @@ class SteadyAxis(FreeBody):
             return Idealisation(float(min(across)), f"The spin is {what}: {steadily}")
         return Idealisation(
             wobble,
-            f"The spin is along principal axis {axis + 1}, that of the {_ORDINAL[axis]} moment: {steadily}",
-            f"The spin is within {off:.2g} rad of principal axis {axis + 1}" if 0 < off < NEARLY_EQUAL else "",
+            f"The spin is along the principal axis of the {_ORDINAL[axis]} moment: {steadily}",
+            f"The spin is within {off:.2g} rad of the principal axis of the {_ORDINAL[axis]} moment"
+            if 0 < off < NEARLY_EQUAL
+            else "",
         )
 
 

@@ -72,7 +72,7 @@ class ScaledFreeMotion(Model):
             how = "The torque is constant in space and along the angular momentum: the body turns as a free one does, "
             why = how + "in a time that runs as |L|."
         else:
-            how = "three moments are equal" if unequal <= wobble else f"spin is about principal axis {axis + 1}"
+            how = "three moments are equal" if unequal <= wobble else "spin is about a principal axis"
             why = f"The {how}, and what drives or brakes it acts along it: one linear equation gives its speed."
         return Candidate(self, problem, problem.axes, moments, cost, why, unseen=cost)
 

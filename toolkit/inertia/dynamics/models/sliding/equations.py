@@ -24,11 +24,14 @@ from typing import ClassVar
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.dynamics.integrators.rotation import RotationProblem, power_of_two
+from inertia.dynamics.integrators.rotation import Figures, RotationProblem, power_of_two
 from inertia.dynamics.integrators.terms import Terms
 from inertia.dynamics.kinematics import quaternion
 from inertia.errors import GeometryError
+from inertia.native import Kernel
 from inertia.records import dataclass
+
+_KERNEL = Kernel("inertia.dynamics.integrators.sliding_kernel", "slide", "ppipidddipddpp")
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +89,14 @@ class SlidingBall(RotationProblem):
         pace = self.radius * self.rate
         return np.array([1.0] * 4 + [self.rate] * 3 + [pace] * 2 + [self.radius] * 2 + [self.mass * pace**2])
 
+    @cached_property
+    def dop853(self) -> tuple[Kernel, Figures]:
+        """The kernel, and the figures in units of the mass, R and 1/`rate`."""
+        pace = self.radius * self.rate
+        arm, gravity = self.arm / self.radius, np.asarray(self.gravity) / (pace * self.rate)
+        figures = np.array([*arm, *gravity, self.friction, self.slip_speed / pace])
+        return _KERNEL, (self.moments / (self.mass * self.radius**2), figures, 0)
+
     def terms(self, start: float) -> Terms | None:
         """Return None: friction is no polynomial."""
         return None
@@ -95,7 +106,7 @@ class SlidingBall(RotationProblem):
         return {}
 
     def rhs(self, time: float, state: Float) -> Float:
-        """Return the rate (12,) of the state."""
+        """Return the rate (12,) of the state, as `integrators.sliding_kernel` does in other units."""
         x, y, z, w, p, q, r, v, o, _, _, _ = state.tolist()
         i, j, k = self._moments
         b1, b2, b3 = self._arm

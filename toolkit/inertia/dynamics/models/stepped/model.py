@@ -99,7 +99,7 @@ class EulerEquations(Model):
         if scene.orbit is None:
             return motion
         attitude = quaternion.multiply(motion.attitude, quaternion.conjugate(quaternion.from_matrix(candidate.axes)))
-        periods, remarks = scene.orbit.librations(rotation.attitude, rotation.angular_velocity, rotation.moments)
+        periods, remarks = scene.orbit.librations(rotation.attitude, rotation.angular_velocity, rotation)
         quantities = scene.orbit.ellipse.seen_from(time, attitude) | periods
         return replace(motion, quantities=quantities, remarks=(*motion.remarks, *remarks))
 
@@ -115,6 +115,7 @@ class EulerEquations(Model):
             tuple(_named(load, problem).along(candidate.axes, body.axes) for load in problem.acting),
             mass=body.mass or 0.0,
             arm=problem.arm,
+            numbers=candidate.numbers,
         )
 
     def input_bound(self, candidate: Candidate) -> InputBound:

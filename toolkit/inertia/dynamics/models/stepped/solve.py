@@ -239,7 +239,7 @@ def _refine(
 ) -> tuple[States | None, float]:
     """Return the first run whose estimate is within the accuracy, and the estimate; None and the least without one."""
     control = integrator.first(problem, time, accuracy)
-    best = np.inf
+    best, stalled = np.inf, 0
     for _ in range(ATTEMPTS):
         states, estimate = integrator.solve(problem, time, control)
         estimate += noise
@@ -249,7 +249,8 @@ def _refine(
         if estimate <= accuracy:
             return states, estimate
         finer = integrator.finer(control, estimate, accuracy)
-        if finer >= control or 0.9 * best < estimate < 0.1:
+        stalled = stalled + 1 if 0.9 * best < estimate < ATTITUDE_LOST else 0
+        if finer >= control or stalled == integrator.patience:
             break
         best, control = min(best, estimate), finer
     return None, min(best, estimate)
