@@ -357,6 +357,7 @@ class Orbit(Load):
         Parameters
         ----------
         attitude : (4,) of the principal axes at t = 0; angular_velocity : (3,) rad/s along them
+        body : whose principal moments and numbers of axes they are
         """
         ellipse = self.ellipse
         if ellipse.eccentricity > _SLENDER:
