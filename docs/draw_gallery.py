@@ -46,7 +46,7 @@ INSTANTS = {
     "rotors/pump_rotor.toml": 0.0,
 }
 """When each is seen, s from the start."""
-FLIP = {"at": 0.4, "view": "inertial", "size": (1200, 750), "frames": 60, "fps": 10.0}
+FLIP = {"at": 0.4, "view": "inertial", "size": (354, 304), "frames": 60, "fps": 10.0}
 
 
 def recorded(file: str, recording: Path) -> None:
