@@ -88,7 +88,7 @@ def polhode(moments: ArrayLike, angular_velocity: ArrayLike, samples: int = 361)
 
 
 def separatrix(moments: ArrayLike, angular_momentum: float, samples: int = 361) -> Float:
-    """Return the two closed curves (2, n, 3) of ω in rad/s that part polhodes about the axes of least and largest moment.
+    """Return the two closed curves (2, n, 3) of ω in rad/s that part polhodes about the axes of least and most moment.
 
     In terms of L they are great circles of the momentum sphere, through the intermediate axis and inclined to that of
     the smallest moment by ±γ, tan²γ = I3 (I2 − I1)/(I1 (I3 − I2)); 2 T I2 = L² on them.
