@@ -282,6 +282,49 @@ def test_a_plane_with_nothing_to_do_is_left_alone():
     assert {k.plane for k in correction.operations} == {"I"}
 
 
+class TestHolesThatActTheFartherInTheDeeperTheyAre:
+    """A disc, 90 to 110 mm along the shaft, with its heavy spot in the middle, drilled from one face."""
+
+    def corrected(self, gmm=102.7, max_depth=0.012, **options):
+        disc = round_part((0, 90), (120, 90), (120, 110), (0, 110), sides=360)
+        start = Unbalance(7.0, 0.1, cmath.rect(3485.79 * GMM, math.radians(193.24)), 0j)
+        plane = CorrectionPlane("P", method="drill_axial", max_depth=max_depth, **options)
+        return correct([disc], [STEEL], on_z(0.03, 0.17), start, [plane], permits(gmm))
+
+    def flat(self, **options):
+        return self.corrected(z=0.09, face="a", radius=0.1, point_angle=math.pi, **options)
+
+    @pytest.mark.parametrize("diameters", [(0.012,), (0.01, 0.012)])
+    def test_four_deep_ones_are_within_where_shallow_ones_are_not(self, diameters):
+        correction = self.flat(diameters=diameters)
+        assert correction.within
+        assert correction.bound <= correction.worst
+
+    def test_the_bound_of_free_angles_is_none_above_what_some_angles_leave(self):
+        some = self.flat(diameters=(0.012,), angles=tuple(np.radians([145.5, 187.5, 195.5, 246])))
+        free = self.flat(diameters=(0.012,))
+        assert len(some.operations) == 4
+        assert free.bound <= some.worst or len(free.operations) < 4
+        assert free.fewest <= 4
+        assert (free.worst <= 0.75) > (some.worst <= 0.75) or free.worst <= some.worst * 1.01
+
+    def test_no_hole_is_drilled_on_the_light_side(self):
+        correction = self.corrected(
+            gmm=88.61, z=0.11, face="b", radius=0.06, diameters=(0.014,), max_depth=0.015,
+            min_wall=5e-4, angle_step=math.radians(7), depth_step=5e-4,
+        )  # fmt: skip
+        assert len(correction.operations) == 4
+        assert correction.worst <= 0.54
+        for work in correction.operations:
+            assert math.cos(work.angle - math.radians(193.24)) > 0
+
+    def test_what_is_out_of_reach_is_called_so_and_the_plan_found(self):
+        correction = self.flat(gmm=20, diameters=(0.012,), max_depth=0.004)
+        assert not correction.within
+        assert "the best that was found" in correction.why
+        assert "; no plan comes within the tolerance with plane 'P': max_depth 4 mm" in correction.why
+
+
 class TestWhereLimitsForbidIt:
     def test_max_depth_bounds_and_the_best_is_done(self, rotor, case_14):
         planes = (drilled("I", 90, 100, 12, max_depth=2, angles=(math.radians(210),)), DRILLS[1])

@@ -14,7 +14,9 @@ from inertia.balancing.corrections.correction_plane import CorrectionPlane, KitW
 from inertia.balancing.corrections.drilling import radial_unbalance
 from inertia.balancing.corrections.places import Places
 from inertia.balancing.corrections.search import AIM, best_plan
+from inertia.balancing.corrections.sharing import Sharing
 from inertia.balancing.corrections.steps import steps_of
+from inertia.balancing.unbalance import plane_weights
 
 LIMIT = 1e-4  # kg m
 CLOSE = 1e-6
@@ -27,7 +29,7 @@ def searched(planes, levers, start, seconds=60.0, limit=LIMIT, aim=AIM):
         for number, plane in enumerate(planes)
         for tool in tools_of_density(plane, STEEL)
     ]
-    gains = np.array([each.tool.sign * levers[:, each.plane] for each in steps], complex) / limit
+    gains = [np.tile(each.tool.sign * levers[:, each.plane] / limit, (len(each.settings), 1)) for each in steps]
     plan = best_plan(Places(steps, gains, np.asarray(start, complex) / limit, seconds), aim)
     return plan, [(steps[k].plane, steps[k].tool, steps[k].angles[a], steps[k].settings[s]) for k, a, s in plan.spots]
 
@@ -186,6 +188,92 @@ class TestBruteForce:
             if 2 * (0.1 - min(h, g)) * math.sin(away / 2) < (d + e) / 2 + 0.001 - 1e-12:
                 return False
         return True
+
+
+class TestHolesAlongTheShaft:
+    """Every plan with up to three holes in a plane, with the mass and the place along the shaft of each."""
+
+    def hole(self, diameter, depth, radius, point):
+        """Return what an axial hole takes, kg m, and how far under its face, m."""
+        area, tip = math.pi * diameter**2 / 4, 0.5 * diameter / math.tan(0.5 * point)
+        shaft, cone = area * depth, area * tip / 3
+        under = (0.5 * shaft * depth + cone * (depth + 0.25 * tip)) / (shaft + cone)
+        return STEEL * (shaft + cone) * radius, under
+
+    def case(self, number):
+        """Return planes, each one's holes (angle, diameter, what they do at A and B), and what is there, kg m."""
+        draw = np.random.default_rng(number)
+        span = float(draw.choice([0.1, 0.2, 0.3]))
+        planes, options = [], []
+        for k in range(1 + number % 2):
+            point, face = math.radians(draw.choice([118, 140, 180])), str(draw.choice(["a", "b"]))
+            z, radius = float(draw.uniform(-0.05, span + 0.05)), float(draw.uniform(0.05, 0.12))
+            angles = tuple(np.sort(draw.choice(24, 4 + 2 * (1 - number % 2), replace=False)) * math.tau / 24)
+            diameters = tuple(sorted(draw.choice([0.006, 0.01, 0.014], 2 - number % 2, replace=False).tolist()))
+            depths = 0.01 * np.arange(draw.integers(3, 5))
+            planes.append(
+                CorrectionPlane(
+                    f"{k}", z, "drill_axial", radius, diameters=diameters, max_depth=float(depths[-1]),
+                    depth_step=0.01, angles=angles, face=face, point_angle=point,
+                )
+            )  # fmt: skip
+            holes = []
+            for angle, diameter, depth in itertools.product(angles, diameters, depths):
+                size, under = self.hole(diameter, depth, radius, point)
+                share = (z + (under if face == "a" else -under)) / span
+                holes.append((angle, diameter, -size * np.exp(1j * angle) * np.array([1 - share, share])))
+            options.append(holes)
+        most = max(np.abs(hole[2]).max() for holes in options for hole in holes)
+        start = 0.1 * most * (draw.normal(size=2) + 1j * draw.normal(size=2))
+        for holes in options:
+            start = start - sum(holes[draw.integers(len(holes))][2] for _ in range(2))
+        return planes, options, (0.0, span), start, float(draw.uniform(0.05, 0.4)) * most
+
+    def possible(self, holes, radius):
+        return all(
+            2 * radius * math.sin(abs((a - b + math.pi) % math.tau - math.pi) / 2) >= (d + e) / 2 + 0.001 - 1e-12
+            for (a, d, _), (b, e, _) in itertools.combinations(holes, 2)
+        )
+
+    def least(self, planes, options, start, limit):
+        """Return what the best of all plans with at most 0, 1, ... holes leaves, over the limit."""
+        sums = [{0: start[None]}]
+        for plane, holes in zip(planes, options, strict=True):
+            sums.append({})
+            for n in range(4):
+                plans = [plan for plan in itertools.combinations(holes, n) if self.possible(plan, plane.radius)]
+                vectors = np.array([sum((k[2] for k in plan), np.zeros(2, complex)) for plan in plans])
+                for before, left in sums[-2].items() if plans else ():
+                    sums[-1].setdefault(before + n, []).append((left[:, None] + vectors).reshape(-1, 2))
+            sums[-1] = {n: np.concatenate(each) for n, each in sums[-1].items()}
+        return np.minimum.accumulate([np.abs(sums[-1][n]).max(axis=1).min() / limit for n in sorted(sums[-1])])
+
+    @pytest.mark.parametrize("number", range(16))
+    def test_no_plan_beats_the_bound_or_the_plan(self, number):
+        planes, options, at, start, limit = self.case(number)
+        steps = [
+            steps_of(k, tool, 2 * np.abs(start).max())
+            for k, plane in enumerate(planes)
+            for tool in tools_of_density(plane, STEEL)
+        ]
+        gains = [
+            np.array([-plane_weights(each.tool.unbalance_z(h), at)[0] for h in each.settings.tolist()]) / limit
+            for each in steps
+        ]
+        best = self.least(planes, options, start, limit)
+        sharing = Sharing(Places(steps, gains, start / limit))
+        bounds = [sharing.bound(n) for n in range(4)]
+        assert (np.array(bounds) <= best[:4] * (1 + CLOSE)).all()
+        assert sharing.lowest <= best[-1] * (1 + CLOSE)
+        plan = best_plan(Places(steps, gains, start / limit), AIM)
+        goal = next((k for k in (AIM, 1.0) if best[-1] <= k), best[-1])
+        fewest = int(np.argmax(best <= goal * (1 + CLOSE)))
+        assert plan.worst <= goal * (1 + CLOSE)
+        assert plan.bound <= plan.worst
+        if goal <= 1:
+            assert len(plan.spots) <= fewest
+            assert plan.worst <= max(best[fewest], 0.002) * (1 + CLOSE) or len(plan.spots) < fewest
+            assert plan.fewest <= np.argmax(best <= 1)
 
 
 WEIGHTS = (KitWeight("3 g", 3e-3), KitWeight("5 g", 5e-3, 2), KitWeight("8 g", 8e-3, 1))

@@ -49,6 +49,7 @@ _AS_PLANNED = 1.05
 _LEAST = 1.0  # s, for mending it once
 _SOME = 0.01  # of the tolerance: a bound below says nothing
 _MEET = 1e-5  # of what is cut
+_BEST = 1e-3  # over the bound: nothing better is of use
 _CUTS = 10
 _FINER = 5  # cuts with ever finer steps, where the shop has none
 _FINER_BY = 12.0
@@ -175,7 +176,7 @@ class _Loop:
     def run(self, start: Complex) -> Correction:
         """Plan, cut every place by itself, mend the plan by what it took, and cut the best with all tools at once."""
         steps = self._steps(start)
-        gains: Complex = np.array([each.tool.sign * self._levers(each) / self.limits for each in steps], complex)
+        gains = [self._gains(self._starting(each), each.settings) for each in steps]
         best, history = None, []
         for share in _SHARES:
             seconds = share * (self.deadline - thread_time())
@@ -187,10 +188,10 @@ class _Loop:
                 best, found = work, replace(plan, cut_short=plan.cut_short or short)
             if work.worst <= _AS_PLANNED * max(plan.worst, self.aim) or not any(work.taken):
                 break
-            gains = self._gains_as_cut(steps, gains, work)
+            gains, _ = self._gains_as_cut(steps, gains, work)
         assert best is not None
-        if found.bound > _SOME:
-            found = replace(found, bound=self._bound_as_cut(places, best))
+        if found.bound > _SOME or found.fewest > 1:
+            found = self._bounded_as_cut(places, best, found)
         return self._finished(best, found, found.cut_short, tuple(history))
 
     def _cut_and_mend(self, steps: Sequence[Steps], plan: Plan, start: Complex) -> tuple[_Work, list[float], bool]:
@@ -214,33 +215,50 @@ class _Loop:
                 break
         return best, history, cut_short
 
-    def _levers(self, steps: Steps) -> Float:
-        """Return what a unit vector of a tool does in the tolerance planes, at a setting in the middle."""
-        middle = float(steps.settings[len(steps.settings) // 2])
-        weights: Float = plane_weights(steps.tool.unbalance_z(middle), self.at)[0]
-        return weights
+    def _starting(self, steps: Steps) -> Tool:
+        """Return the tool of steps as it starts at most angles."""
+        usable = np.isfinite(steps.most)
+        return replace(steps.tool, start=float(np.median(steps.starts[usable]))) if usable.any() else steps.tool
 
-    def _gains_as_cut(self, steps: Sequence[Steps], gains: Complex, work: _Work) -> Complex:
-        """Return what unit vectors of the planes do, by what was cut in them."""
-        by_plane: dict[int, list[Complex]] = {}
+    def _gains(self, tool: Tool, settings: Float) -> Complex:
+        """Return what a unit vector of a tool does in the tolerance planes at each setting, (s, t) over the limits."""
+        places = [tool.unbalance_z(k) for k in settings.tolist()]
+        weights = {z: plane_weights(z, self.at)[0] for z in set(places)}
+        return np.asarray(tool.sign * np.array([weights[z] for z in places]) / self.limits, complex)
+
+    def _gains_as_cut(
+        self, steps: Sequence[Steps], gains: Sequence[Complex], work: _Work
+    ) -> tuple[list[Complex], float]:
+        """Return what unit vectors of the planes do, off the closed forms by the mean of those that were cut.
+
+        Last how far a place that was cut is from that in a tolerance plane at most, over the limits.
+        """
+        by_plane: dict[int, list[tuple[float, Complex]]] = {}
         for place, taken in zip(work.places, work.taken, strict=True):
             if (vector := self._vector(place)) and taken is not None:
-                by_plane.setdefault(place.plane, []).append(place.tool.sign * taken.change / vector / self.limits)
-        mean = {plane: np.mean(units, axis=0) for plane, units in by_plane.items()}
-        return np.array([mean.get(each.plane, gain) for each, gain in zip(steps, gains, strict=True)])
+                cut = place.tool.sign * taken.change / vector / self.limits
+                number = next(k for k, each in enumerate(steps) if each.tool == place.tool)
+                nearest = int(np.abs(steps[number].settings - place.setting).argmin())
+                by_plane.setdefault(place.plane, []).append((abs(vector), cut - gains[number][nearest]))
+        mean = {plane: np.mean([off for _, off in pairs], axis=0) for plane, pairs in by_plane.items()}
+        apart = [size * np.abs(off - mean[plane]).max() for plane, pairs in by_plane.items() for size, off in pairs]
+        return [gain + mean.get(each.plane, 0.0) for each, gain in zip(steps, gains, strict=True)], max(
+            apart, default=0.0
+        )
 
     def _rank(self, work: _Work) -> tuple[int, float, float]:
         return rank(self.aim, len(work.places), work.worst)
 
-    def _bound_as_cut(self, places: Places, work: _Work) -> float:
-        """Return what no plan with so many places beats, if none takes more of its closed form than was cut."""
-        more = dict.fromkeys(range(len(self.planes)), 1.0)
-        for place, taken in zip(work.places, work.taken, strict=True):
-            vector = abs(self._vector(place))
-            if taken is not None and vector:
-                more[place.plane] = max(more[place.plane], abs(taken.unbalance) / vector)
-        steps = [replace(each, sizes=more[each.plane] * each.sizes) for each in places.steps]
-        return Sharing(replace(places, steps=steps)).bound(len(work.places))
+    def _bounded_as_cut(self, places: Places, work: _Work, plan: Plan) -> Plan:
+        """Return a plan with what no plan beats if none is farther from its closed forms than what was cut."""
+        gains, apart = self._gains_as_cut(places.steps, places.gains, work)
+        sharing, number = Sharing(replace(places, gains=gains)), len(work.places)
+        return replace(
+            plan,
+            bound=max(sharing.bound(number) - number * apart, 0.0),
+            lowest=max(sharing.lowest - number * apart, 0.0),
+            fewest=min(plan.fewest, sharing.first(1.0 + number * apart)),
+        )
 
     def _steps(self, start: Complex) -> list[Steps]:
         vectors = np.linalg.pinv(self.levers / self.limits[:, None]) @ (-start / self.limits)
@@ -320,17 +338,18 @@ class _Loop:
         steps, gains, spots = [], [], []
         for k, (place, taken) in enumerate(zip(work.places, work.taken, strict=True)):
             near = self._near(place, number)
-            vector = self._vector(place)
-            change = self._change(place, taken)
-            unit = self.levers[:, place.plane] if vector == 0 else change / vector
+            unit = self._gains(self._on_metal(place).tool, near.settings)
+            if (vector := self._vector(place)) and taken is not None:
+                here = self._gains(self._on_metal(place).tool, np.array([place.setting]))
+                unit = unit - here + place.tool.sign * taken.change / vector / self.limits
             steps.append(near)
-            gains.append(place.tool.sign * unit / self.limits)
+            gains.append(unit)
             away = np.abs(near.angles - place.angle)
             spots.append((k, int(away.argmin()), int(np.abs(near.settings - place.setting).argmin())))
         if not spots:
             return (), False
         seconds = max(self.deadline - thread_time(), _LEAST)
-        near_ones = Places(steps, np.array(gains), start / self.limits, seconds)
+        near_ones = Places(steps, gains, start / self.limits, seconds)
         own = [[k] for k in range(len(spots))]
         moved, _ = improve(near_ones, tuple(spots), own)
         places = tuple(
@@ -380,11 +399,8 @@ class _Loop:
         largest = " and ".join(f"{abs(k) / GRAM_MILLIMETRE:.4g}" for k in left.tolist())
         set_at = "depths and angles at the shop's steps" if solids else "masses and angles that can be set"
         why = f"{largest} g·mm left in the tolerance planes, with {set_at}"
-        if cut_short:
-            why += ": the best that was found in the time that it was given"
-        elif worst > 1:
-            proven = "that can be done within" if plan.bound > 1 else "that was found with"
-            why += f": the best {proven} {', '.join(hit) or 'these planes'}"
+        if cut_short or worst > 1:
+            why += f": the best that {_proven(plan, worst, hit, cut_short)}"
         alone = math.fsum(k.mass for k in operations if k not in masses)
         added = math.fsum(k.mass if k.method == "add" else -k.mass for k in masses)
         together = self.piece.initial.mass + added - residual.mass
@@ -408,9 +424,9 @@ class _Loop:
         )
 
     def _limits_hit(self, plan: Plan, cut_short: bool) -> tuple[str, ...]:
-        if cut_short and plan.bound <= 1:
+        if cut_short and plan.lowest <= 1:
             return ("the time that it was given",)
-        if plan.bound <= 1:
+        if plan.lowest <= 1:
             return ("the steps of depth and angle",)
         return tuple(_bound(self.planes[k]) for k in plan.binding)
 
@@ -484,6 +500,18 @@ def _bound(plane: CorrectionPlane) -> str:
     if plane.max_depth is not None:
         return which + f"max_depth {1e3 * plane.max_depth:g} mm"
     return which + "its forbidden sectors" if plane.forbidden else which + "its tools"
+
+
+def _proven(plan: Plan, worst: float, hit: Sequence[str], cut_short: bool) -> str:
+    """Return how good a plan is that is out of tolerance or was not looked for to the end, by what is proven."""
+    limits = ", ".join(hit) or "these planes"
+    out_of_reach = worst > 1 and plan.lowest > 1
+    if out_of_reach and worst <= plan.lowest * (1 + _BEST):
+        return f"can be done within {limits}"
+    if out_of_reach:
+        time = " in the time that it was given" if cut_short else ""
+        return f"was found{time}; no plan comes within the tolerance with {limits}"
+    return "was found in the time that it was given" if cut_short else f"was found with {limits}"
 
 
 def _worst(vectors: Complex, limits: Float) -> float:

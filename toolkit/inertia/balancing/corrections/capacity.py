@@ -1,70 +1,139 @@
-"""What so many places can do at best: bounds that no plan can beat, whatever its angles and settings are.
+"""What so many places of a plane can do at best, whatever their angles and settings are.
 
-The vectors that n places of a plane make up lie in a convex set, whose extent in a direction φ is the largest
-Σ uᵢ cos(θᵢ − φ) over n places that keep their distances. That is found going once around, place after place, with the
-settings in a few classes: a place counts with the largest setting of its class, and keeps the distance of the smallest.
-The least residual with the planes' vectors in their sets is then a linear program, a bound from below.
+What n places of a plane do in the tolerance planes lies in a convex set. Its extent in a direction is the largest
+Σ Re(cᵢ exp(iθᵢ)) over n places that keep their distances, cᵢ being what the setting of place i does in that direction
+at angle 0. That is found going once around, place after place, with the settings in a few classes: a place counts with
+the best setting of its class, and keeps the distance of the smallest.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import field
+from functools import cached_property
 
 import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.balancing.corrections.correction_plane import FULL_TURN
 from inertia.balancing.corrections.milling import ArcCutter
+from inertia.balancing.corrections.places import Places
 from inertia.balancing.corrections.standard_weights import WeightTool
 from inertia.balancing.corrections.steps import Steps
 from inertia.balancing.unbalance import Complex
 from inertia.records import dataclass
 
-DIRECTIONS = 36
-_TANGENTS = 64
+_DIRECTIONS = 36
 _CLASSES = 5
 _MOST_CLASSES = 16
+_KNOTS = 9  # settings of a class that are looked at one by one
 _MOST_PLACES = 64
 _GROWS = 1e-9
+_PAST = 1e-4  # of the extent in a direction: nothing is gained by adding it
+_NO_LEVER = 1e-9  # of what a unit vector does: rounding
 
 
-def extents(steps: Sequence[Steps], enough: float = math.inf) -> Float:
-    """Return how far 0, 1, ... places of one plane reach in each of `DIRECTIONS` directions, (n + 1, directions), kg m.
+@dataclass(eq=False)
+class Capacity:
+    """How far 0, 1, ... places of a plane reach, in coordinates (b,) of what they do in the tolerance planes.
 
-    As many places are counted as there can be, or as add something, or as reach far enough.
+    Where all settings act at one place along the shaft, what they do is a vector times one basis; where their levers
+    differ, a second coordinate says how much. A direction d (b,) is for Re(d·x).
 
-    Parameters
+    Attributes
     ----------
-    steps : of the plane's tools
-    enough : kg m
+    basis : (t, b), over the limits
+    settings : of each of the steps (s, b), what each setting does at angle 0
+    enough : kg m, farther it is not known
+    directions : (r, b)
+    reach : of each direction, with 0, 1, ... places as many as add something
     """
-    plane = steps[0].tool.plane
-    alike = plane.angles == "free" and all(np.ptp(k.most) == 0 for k in steps if np.isfinite(k.most).any())
-    directions = FULL_TURN * np.arange(1 if alike else DIRECTIONS) / DIRECTIONS
-    if plane.method == "kit" and plane.angles != "free":
-        reach = [_of_weights(steps, direction, enough) for direction in directions.tolist()]
-    else:
-        classes = _classes(steps)
-        reach = [_of_places(steps, direction, enough, classes) for direction in directions.tolist()]
-    longest = max(len(k) for k in reach)
-    table = np.array([np.concatenate([k, np.full(longest - len(k), k[-1])]) for k in reach]).T
-    return np.tile(table, (1, DIRECTIONS)) if alike else table
 
+    steps: Sequence[Steps]
+    basis: Complex
+    settings: Sequence[Complex]
+    enough: float
+    directions: list[Complex] = field(default_factory=list, init=False)
+    reach: list[Float] = field(default_factory=list, init=False)
 
-def _of_weights(steps: Sequence[Steps], direction: float, enough: float) -> Float:
-    plane = steps[0].tool.plane
-    values, kinds = [], []
-    for number, each in enumerate(steps):
-        along = each.sizes[0] * np.cos(each.angles[np.isfinite(each.most)] - direction)
-        along = np.repeat(along[along > 0], plane.most_per_position)
-        assert isinstance(each.tool, WeightTool)
-        along = np.sort(along)[::-1][: each.tool.weight.stock]
-        values.append(along)
-        kinds.append(np.full(len(along), number))
-    best = np.sort(np.concatenate(values))[::-1][:_MOST_PLACES]
-    reach = np.concatenate([[0.0], np.cumsum(best)])
-    return reach[: int(np.searchsorted(reach, enough)) + 1]
+    @classmethod
+    def of(cls, places: Places, kinds: Sequence[int], enough: float) -> Capacity:
+        """Return the capacity of a plane in all directions of its vectors.
+
+        Parameters
+        ----------
+        kinds : numbers of the plane's steps
+        enough : kg m, farther it need not be known where levers do not differ
+        """
+        gain = places.middle(kinds)
+        size = float(np.linalg.norm(gain))
+        turned = np.linalg.qr(gain[:, None], mode="complete")[0]
+        parts = [(places.gains[k] @ turned.conj()) for k in kinds]
+        across = max(float(np.abs(part[:, 1:]).max(initial=0.0)) for part in parts)
+        basis = gain[:, None]
+        if across > _NO_LEVER * size:
+            basis = np.hstack([basis, across * turned[:, 1:]])
+        inverse = np.linalg.pinv(basis).T
+        steps = [places.steps[k] for k in kinds]
+        settings = [
+            np.maximum(each.sizes, 0.0)[:, None] * (places.gains[k] @ inverse)
+            for k, each in zip(kinds, steps, strict=True)
+        ]
+        self = cls(steps, basis, settings, enough if basis.shape[1] == 1 else math.inf)
+        self._add_around()
+        return self
+
+    @property
+    def varies(self) -> bool:
+        """Whether the levers of its settings differ."""
+        return len(self.basis[0]) > 1
+
+    @property
+    def most(self) -> int:
+        """Places that reach farther than fewer of them, or far enough."""
+        return max(len(k) for k in self.reach) - 1
+
+    def rows(self, number: int) -> tuple[Complex, Float]:
+        """Return all directions (r, b), and how far so many places reach in each."""
+        return np.array(self.directions), np.array([k[min(number, len(k) - 1)] for k in self.reach])
+
+    def add_where_past(self, direction: Complex, at: Complex, number: int, times: float = 1.0) -> bool:
+        """Add a direction (b,) in which so many places do not reach as far as a point (b,), and say whether it is one.
+
+        Parameters
+        ----------
+        times : how many times as far they are taken to reach
+        """
+        reach = self._along(direction)
+        most = times * float(reach[min(number, len(reach) - 1)])
+        past = float((direction @ at).real) > most + _PAST * abs(most)
+        if past:
+            self.directions.append(direction)
+            self.reach.append(reach)
+        return past
+
+    @cached_property
+    def _classes(self) -> _Classes:
+        return _classes(self.steps)
+
+    def _along(self, direction: Complex) -> Float:
+        """Return how far 0, 1, ... places reach in a direction: as many as add something, or reach far enough."""
+        along = [each @ direction for each in self.settings]
+        plane = self.steps[0].tool.plane
+        if plane.method == "kit" and plane.angles != "free":
+            return _of_weights(self.steps, along, self.enough)
+        return _of_places(self.steps, along, self.enough, self._classes)
+
+    def _add_around(self) -> None:
+        plane = self.steps[0].tool.plane
+        rooms = [k.most for k in self.steps if np.isfinite(k.most).any()]
+        alike = plane.angles == "free" and all(np.ptp(k) == 0 for k in rooms)
+        turns = np.exp(-1j * FULL_TURN * np.arange(_DIRECTIONS) / _DIRECTIONS)
+        for unit in np.eye(self.basis.shape[1]):
+            reach = [self._along(turn * unit) for turn in turns[: 1 if alike else None].tolist()]
+            self.reach += _DIRECTIONS * reach if alike else reach
+            self.directions += list(np.outer(turns, unit))
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,20 +171,36 @@ def _classes(steps: Sequence[Steps]) -> _Classes:
     return _Classes(of, group, gaps)
 
 
-def _of_places(steps: Sequence[Steps], direction: float, enough: float, classes: _Classes) -> Float:
-    relative = (steps[0].angles - direction + math.pi) % FULL_TURN - math.pi
+def _of_weights(steps: Sequence[Steps], along: Sequence[Complex], enough: float) -> Float:
+    values = []
+    for each, (unit, *_) in zip(steps, along, strict=True):
+        value = (unit * np.exp(1j * each.angles[np.isfinite(each.most)])).real
+        value = np.repeat(value[value > 0], each.tool.plane.most_per_position)
+        assert isinstance(each.tool, WeightTool)
+        values.append(np.sort(value)[::-1][: each.tool.weight.stock])
+    best = np.sort(np.concatenate(values))[::-1][:_MOST_PLACES]
+    reach = np.concatenate([[0.0], np.cumsum(best)])
+    return reach[: int(np.searchsorted(reach, enough)) + 1]
+
+
+def _of_places(steps: Sequence[Steps], along: Sequence[Complex], enough: float, classes: _Classes) -> Float:
+    deepest = max((k[-1] for k in along), key=abs)
+    relative = (steps[0].angles + np.angle(deepest) + math.pi) % FULL_TURN - math.pi
     order = np.argsort(relative, kind="stable")
-    order = order[np.abs(relative[order]) < 0.5 * math.pi]
-    angles = relative[order]
-    if not len(angles):
-        return np.zeros(1)
+    if all(_one_way(k, deepest) for k in along):
+        order = order[np.abs(relative[order]) < 0.5 * math.pi]
+    turns = np.exp(1j * steps[0].angles[order])
     count = len(classes.gaps)
-    value = np.full((len(angles), count), -math.inf)
+    value = np.full((len(order), count), -math.inf)
     for (number, low, high), group in zip(classes.of, classes.group.tolist(), strict=True):
         each = steps[number]
         last = np.searchsorted(each.settings, each.most[order] + 1e-9, side="right") - 1
-        along = each.sizes[np.clip(last, 0, high - 1)] * np.cos(angles)
-        value[:, group] = np.maximum(value[:, group], np.where(last >= low, along, -math.inf))
+        best = _best_of(along[number], low, np.clip(last, low, high - 1), turns)
+        value[:, group] = np.maximum(value[:, group], np.where(last >= low, best, -math.inf))
+    useful = (value > 0).any(axis=1)
+    value, angles = value[useful], relative[order][useful]
+    if not len(angles):
+        return np.zeros(1)
     # Of each class of the place before, for all angles and classes: where to look in `upto`.
     before = np.searchsorted(angles, angles[:, None] - classes.gaps.T[:, None] + 1e-9, side="right")
     before = before * count + np.arange(count)[:, None, None]
@@ -132,34 +217,25 @@ def _of_places(steps: Sequence[Steps], direction: float, enough: float, classes:
     return np.array(reach)
 
 
-def least_residual(gains: Complex, start: Complex, reach: Sequence[Float]) -> tuple[float, Complex]:
-    """Return a bound from below of max |start + gains w|, and the w (n,) of the planes that it is for.
+def _one_way(along: Complex, way: complex) -> bool:
+    """Say whether settings reach the farther in a direction the larger they are, and none to its side."""
+    turned = along * np.conj(way)
+    rounding = 1e-12 * np.abs(turned).max()
+    along_it = np.diff(turned.real, prepend=0.0)
+    return bool((np.abs(turned.imag) <= rounding).all() and (along_it >= -rounding).all())
 
-    Parameters
-    ----------
-    gains : (t, n) what a unit vector in each plane does, over the limits
-    start : (t,) over the limits
-    reach : of each plane, how far it reaches in each direction
+
+def _best_of(along: Complex, low: int, last: Int, turns: Complex) -> Float:
+    """Return the most that settings from `low` to a last one reach at angles (m,).
+
+    What some of them do is a polygon, over whose chords the others do no more than is added.
     """
-    from scipy.optimize import linprog
-
-    count = gains.shape[1]
-    scale = max((float(k.max()) for k in reach), default=0.0) or 1.0
-    turns = np.exp(-1j * FULL_TURN * np.arange(_TANGENTS) / _TANGENTS)
-    turned = (turns[:, None, None] * gains * scale).reshape(-1, count)
-    rows = [np.hstack([turned.real, -turned.imag, np.full((len(turned), 1), -1.0)])]
-    high = [-(turns[:, None] * start).real.ravel()]
-    ways = FULL_TURN * np.arange(DIRECTIONS) / DIRECTIONS
-    for k in range(count):
-        row = np.zeros((DIRECTIONS, 2 * count + 1))
-        row[:, k], row[:, count + k] = np.cos(ways), np.sin(ways)
-        rows.append(row)
-        high.append(reach[k] / scale)
-    cost = np.zeros(2 * count + 1)
-    cost[-1] = 1.0
-    bounds = [(None, None)] * (2 * count) + [(0.0, None)]
-    solution = linprog(cost, A_ub=np.vstack(rows), b_ub=np.concatenate(high), bounds=bounds, method="highs")
-    if solution.x is None:
-        return 0.0, np.zeros(count, complex)
-    vectors: Complex = scale * (solution.x[:count] + 1j * solution.x[count : 2 * count])
-    return float(solution.x[-1]), vectors
+    if _one_way(along, along[-1]):
+        return (along[last] * turns).real
+    knots = np.unique(np.linspace(low, max(int(last.max()), low), _KNOTS).astype(int))
+    between = np.arange(knots[0], knots[-1] + 1)
+    chords = np.interp(between, knots, along[knots].real) + 1j * np.interp(between, knots, along[knots].imag)
+    over = float(np.abs(along[between] - chords).max())
+    best = np.maximum.accumulate(np.outer(along[knots], turns).real, axis=0)
+    reach: Float = best[np.searchsorted(knots, last, side="right") - 1, np.arange(len(turns))]
+    return np.maximum(reach, (along[last] * turns).real) + over

@@ -1,4 +1,4 @@
-"""Places laid out about the vectors that a plan has to make up: where the search for a plan begins."""
+"""Places laid out about what each plane has to do: where the search for a plan begins."""
 
 from __future__ import annotations
 
@@ -18,10 +18,16 @@ LAYOUTS = 3
 
 
 def starts(
-    places: Places, kinds: Sequence[Sequence[int]], counts: Sequence[int], vectors: Complex, order: int = 0
+    places: Places, kinds: Sequence[Sequence[int]], counts: Sequence[int], shares: Complex, order: int = 0
 ) -> list[tuple[Spot, ...]]:
-    """Return places of all planes, each plane by itplaces, or in an order, each beside those before."""
-    planes = list(zip(kinds, counts, vectors.tolist(), strict=True))
+    """Return places of all planes, each plane by itself, or in an order, each beside those before.
+
+    Parameters
+    ----------
+    kinds, counts : numbers of the steps of each plane, and its places
+    shares : (planes, t) what each has to do in the tolerance planes, over the limits
+    """
+    planes = list(zip(kinds, counts, shares, strict=True))
     if order == 0:
         return [tuple(itertools.chain(*way)) for way in itertools.product(*(_layouts(places, *k) for k in planes))]
     starts: list[tuple[Spot, ...]] = [()]
@@ -31,12 +37,15 @@ def starts(
 
 
 def _layouts(
-    places: Places, kinds: Sequence[int], number: int, vector: complex, others: tuple[Spot, ...] = ()
+    places: Places, kinds: Sequence[int], number: int, share: Complex, others: tuple[Spot, ...] = ()
 ) -> list[tuple[Spot, ...]]:
-    """Return places about a vector that make it up nearly, beside others, the best layouts first."""
+    """Return places that do nearly what a plane has to do, beside others, the best layouts first."""
     if number == 0:
         return [()]
-    layouts: list[tuple[float, tuple[Spot, ...]]] = []
+    gain = places.middle(kinds)
+    vector = complex(np.vdot(gain, share) / np.vdot(gain, gain).real)
+    varies = any(places.varies(k) for k in kinds)
+    layouts: list[tuple[Spot, ...]] = []
     for k in kinds:
         steps = places.steps[k]
         depths = np.unique(np.linspace(0, len(steps.settings) - 1, 9).astype(int)).tolist()
@@ -44,15 +53,45 @@ def _layouts(
             gap = steps.tool.apart_at(float(steps.settings[s]))
             spots = _beside(places, k, s, number, float(np.angle(vector)) + shift * gap, others)
             if len(spots) == number:
-                filled = _filled(places, spots, vector)
-                made = sum(places.vector(spot) for spot in filled)
-                layouts.append((abs(vector - made), filled))
-    for share in (True, False):
-        spots = _one_by_one(places, kinds, number, vector, share, others)
-        if len(spots) == number:
-            layouts.append((abs(vector - sum(places.vector(spot) for spot in spots)), spots))
-    layouts.sort(key=lambda way: way[0])
-    return list(dict.fromkeys(way for _, way in layouts))[:LAYOUTS]
+                layouts.append(_filled(places, spots, vector))
+        if varies and number > 1:  # shallower holes act elsewhere, fewer of them may have to be spread instead
+            layouts += [way for s in depths for way in _spread(places, k, s, number, vector, others)]
+    layouts += [_one_by_one(places, kinds, number, vector, share_it, others) for share_it in (True, False)]
+    made = [
+        (float(np.linalg.norm(share - sum(places.effect(spot) for spot in spots))), spots)
+        for spots in layouts
+        if len(spots) == number
+    ]
+    made.sort(key=lambda way: way[0])
+    return list(dict.fromkeys(way for _, way in made))[: LAYOUTS**3 if varies else LAYOUTS]
+
+
+def _spread(
+    places: Places, k: int, s: int, number: int, vector: complex, others: tuple[Spot, ...]
+) -> list[tuple[Spot, ...]]:
+    """Return places at one setting that make up a vector in two groups, or in a group with one to each side of it."""
+    size, middle = abs(vector), float(np.angle(vector))
+
+    def group(count: int, angle: float, spots: tuple[Spot, ...] = ()) -> tuple[Spot, ...]:
+        return (*spots, *_beside(places, k, s, count, angle, (*others, *spots)))
+
+    reach = [abs(sum(places.vector(spot) for spot in group(count, middle))) for count in range(number + 1)]
+    ways = []
+    for first in range(1, number):
+        one, other = (
+            _aside(size, *pair)
+            for pair in ((reach[first], reach[number - first]), (reach[number - first], reach[first]))
+        )
+        ways.append(group(number - first, middle - other, group(first, middle + one)))
+    if number > 2:
+        side = _aside(size - reach[number - 2], reach[1], reach[1])
+        ways.append(group(1, middle - side, group(1, middle + side, group(number - 2, middle))))
+    return ways
+
+
+def _aside(size: float, mine: float, other: float) -> float:
+    """Return the angle from a vector to one of two of these lengths that are together the vector, rad."""
+    return math.acos(min(max((size**2 + mine**2 - other**2) / (2 * size * mine or 1.0), -1.0), 1.0))
 
 
 def _one_by_one(

@@ -8,8 +8,8 @@ from dataclasses import field
 
 import numpy as np
 
-from inertia.arrays import Int
-from inertia.balancing.corrections.places import GAIN, Places, Spot, largest
+from inertia.arrays import Float, Int
+from inertia.balancing.corrections.places import GAIN, Places, Spot
 from inertia.balancing.corrections.standard_weights import WeightTool
 from inertia.balancing.corrections.steps import allowed
 from inertia.balancing.unbalance import Complex
@@ -72,55 +72,70 @@ class Listing:
 
     def best_of(self, listed: Sequence[Int], below: float) -> tuple[tuple[Spot, ...], float] | None:
         """Return the best combination of the plans of one plane or two."""
-        gains = [self.places.gains[plans[0, 0, 0]] if len(plans) else 0 * self.places.start for plans in listed]
-        sums = [self.places.vectors(plans) for plans in listed]
+        sums = [self.places.sums(plans) for plans in listed]
         if not all(len(k) for k in sums):
             return None
         if len(sums) == 1:
-            left = largest(at + sums[0] * gain for at, gain in zip(self.places.start, gains[0], strict=True))
+            left = np.abs(self.places.start + sums[0]).max(axis=1)
             best = int(left.argmin())
             return _spots(listed[0][best]), float(left[best])
         result = None
-        for plans, worst in self._combinations(sums, gains, below):
+        middle = self.places.middle(np.unique(listed[1][..., 0]).tolist())
+        for plans, worst in self._combinations(sums[0], sums[1], middle, below):
             spots = (*_spots(listed[0][plans[0]]), *_spots(listed[1][plans[1]]))
             if (result is None or worst < result[1]) and self.places.fits(spots):
                 result = spots, worst
         return result
 
     def _combinations(
-        self, sums: Sequence[Complex], gains: Sequence[Complex], below: float
+        self, one: Complex, other: Complex, gain: Complex, below: float
     ) -> Iterator[tuple[tuple[int, int], float]]:
-        """Yield pairs of plans of two planes that leave less and less."""
+        """Yield pairs of plans of two planes, by what they add (p, t), that leave less and less.
+
+        Parameters
+        ----------
+        gain : (t,) what a unit vector of the other plane does, at a setting in the middle
+        """
         from scipy.spatial import KDTree
 
-        one, other = sums
-        gain, size = gains[1], np.vdot(gains[1], gains[1]).real
-        wanted = -(self.places.start + one[:, None] * gains[0])
-        ideal = wanted @ gain.conj() / size
-        # What no vector of the other plane can take away, at least 1/√t of which is left in the worst plane.
-        aside = np.linalg.norm(wanted - ideal[:, None] * gain, axis=1)
-        root = math.sqrt(len(self.places.start))
+        wanted = -(self.places.start + one)
+        # Along what the other plane does, and across it: there its plans differ only as its settings' levers do.
+        turned = np.linalg.qr(gain[:, None], mode="complete")[0].conj()
+        ideal, points = wanted @ turned, other @ turned
+        across = np.linalg.norm(points[:, 1:], axis=1).max()
+        away = np.linalg.norm(ideal[:, 1:], axis=1)
+        # What no plan of the other plane can take away, at least 1/√t of which is left in the worst plane.
+        aside = np.maximum(away - across, 0.0)
+        flat = across <= GAIN * np.abs(points).max()
+        columns = 1 if flat else len(gain)
+        outside = aside if flat else np.zeros(len(one))
+        ideal, points = _real(ideal[:, :columns]), _real(points[:, :columns])
+        root = math.sqrt(len(gain))
         order = np.argsort(aside, kind="stable")
-        tree = KDTree(np.column_stack([other.real, other.imag]))
+        tree = KDTree(points)
         best = below * (1 + GAIN)
         for chunk in np.array_split(order, max(1, len(order) // 2000)):
             if aside[chunk[0]] > root * best or self.places.late():
                 break
-            distance, nearest = tree.query(np.column_stack([ideal.real, ideal.imag])[chunk])
+            distance, nearest = tree.query(ideal[chunk])
             for number, apart, k in zip(chunk.tolist(), distance.tolist(), nearest.tolist(), strict=True):
                 radius = root * best
-                if aside[number] ** 2 + apart**2 * size > radius**2:
+                if outside[number] ** 2 + apart**2 > radius**2:
                     continue
                 near = [k]
                 if math.isfinite(radius):
-                    reach = math.sqrt(max(radius**2 - aside[number] ** 2, 0.0) / size)
-                    near = tree.query_ball_point([ideal[number].real, ideal[number].imag], reach * (1 + GAIN)) or near
-                left = np.abs(wanted[number] - other[near][:, None] * gain).max(axis=1)
+                    reach = math.sqrt(max(radius**2 - outside[number] ** 2, 0.0))
+                    near = tree.query_ball_point(ideal[number], reach * (1 + GAIN)) or near
+                left = np.abs(wanted[number] - other[near]).max(axis=1)
                 for place in np.argsort(left, kind="stable").tolist():
                     if left[place] > best:
                         break
                     best = float(left[place])
                     yield (number, int(near[place])), best
+
+
+def _real(numbers: Complex) -> Float:
+    return np.hstack([numbers.real, numbers.imag])
 
 
 def _spots(plan: Int) -> tuple[Spot, ...]:

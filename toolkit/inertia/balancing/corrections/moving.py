@@ -16,6 +16,7 @@ from inertia.balancing.unbalance import Complex
 _PAIRED = 300_000  # pairs that are tried at once
 _FOLLOWED = 100  # of them, the best
 _WINDOW = 7  # steps of angle to each side of a place, in pairs
+_ROUNDS = 2  # of a setting by its lever, and the lever by the setting
 
 
 def improve(
@@ -63,14 +64,16 @@ def _moved(
         at = np.flatnonzero(last >= 0)
         if len(at) == 0:
             continue
-        effects = places.gains[k] * np.exp(1j * steps.angles[at])[:, None]
-        ideal = _best_sizes(rest, effects, steps.sizes[0], steps.sizes[last[at]])
-        above = np.searchsorted(steps.sizes, ideal)
-        for s in (np.clip(above, 0, last[at]), np.clip(above - 1, 0, last[at])):
-            left = largest(rest[j] + effects[:, j] * steps.sizes[s] for j in range(len(rest)))
-            place = int(left.argmin())
-            if left[place] < worst * (1 - GAIN):
-                best, worst = (k, int(at[place]), int(s[place])), float(left[place])
+        turns, above = np.exp(1j * steps.angles[at])[:, None], last[at]
+        for _ in range(_ROUNDS if places.varies(k) else 1):
+            effects = places.gains[k][np.clip(above, 0, last[at])] * turns
+            ideal = _best_sizes(rest, effects, steps.sizes[0], steps.sizes[last[at]])
+            above = np.searchsorted(steps.sizes, ideal)
+            for s in (np.clip(above, 0, last[at]), np.clip(above - 1, 0, last[at])):
+                left = largest(rest[:, None] + places.effects(k, at, s))
+                place = int(left.argmin())
+                if left[place] < worst * (1 - GAIN):
+                    best, worst = (k, int(at[place]), int(s[place])), float(left[place])
     return (*spots[:i], best, *spots[i + 1 :]), worst
 
 
@@ -116,14 +119,14 @@ def _partners(
 ) -> list[tuple[float, Spot, Spot]]:
     """Return the best places of steps m for each of the places near, where they are better than what there is."""
     k, a, s = near
-    steps, gain = places.steps[m], places.gains[m]
-    lefts = rest + places.gains[k] * (places.steps[k].sizes[s] * np.exp(1j * places.steps[k].angles[a]))[:, None]
+    steps, gains = places.steps[m], places.gains[m].T
+    lefts = rest[:, None] + places.effects(k, a, s)
     if len(a) == 0:
         return []
     if len(a) * steps.count <= _PAIRED:
         _, b, t = _spots(places, m, others, None)
-        vectors = steps.sizes[t] * np.exp(1j * steps.angles[b])
-        tried = largest(lefts[:, None, j] + gain[j] * vectors for j in range(len(gain)))
+        effects = places.effects(m, b, t)
+        tried = largest(left[:, None] + effect for left, effect in zip(lefts, effects, strict=True))
         one, other = np.nonzero(tried < worst * (1 - GAIN))
         left = tried[one, other]
         best = np.argpartition(left, _FOLLOWED)[:_FOLLOWED] if len(left) > _FOLLOWED else np.arange(len(left))
@@ -132,20 +135,22 @@ def _partners(
             for n in best.tolist()
         ]
     last = np.searchsorted(steps.settings, places.room(m, others) + GAIN, side="right") - 1
-    ideal = -(lefts @ gain.conj()) / np.vdot(gain, gain).real
-    beside = np.searchsorted(steps.angles, np.angle(ideal) % FULL_TURN)
-    above = np.searchsorted(steps.sizes, np.abs(ideal))
-    found = []
-    for b, up in itertools.product((beside, beside - 1), (0, 1)):
-        b = b % len(steps.angles)
-        t = np.clip(above - up, 0, np.maximum(last[b], 0))
-        vectors = steps.sizes[t] * np.exp(1j * steps.angles[b])
-        tried = largest(lefts[:, j] + gain[j] * vectors for j in range(len(gain)))
-        tried = np.where(last[b] >= 0, tried, math.inf)
-        better = np.flatnonzero(tried < worst * (1 - GAIN))
-        if len(better) > _FOLLOWED:
-            better = better[np.argpartition(tried[better], _FOLLOWED)[:_FOLLOWED]]
-        found += [(float(tried[x]), (k, int(a[x]), int(s[x])), (m, int(b[x]), int(t[x]))) for x in better.tolist()]
+    at = np.flatnonzero(last >= 0)
+    found: list[tuple[float, Spot, Spot]] = []
+    above = np.full(len(a), len(steps.sizes))
+    for _ in range((_ROUNDS if places.varies(m) else 1) if len(at) else 0):
+        gain = gains[:, np.minimum(above, len(steps.sizes) - 1)]
+        ideal = -(lefts * gain.conj()).sum(axis=0) / (np.abs(gain) ** 2).sum(axis=0)
+        beside = np.searchsorted(steps.angles[at], np.angle(ideal) % FULL_TURN)
+        above = np.searchsorted(steps.sizes, np.abs(ideal))
+        for aside, up in itertools.product((0, 1), (0, 1)):
+            b = at[(beside - aside) % len(at)]
+            t = np.clip(above - up, 0, last[b])
+            tried = largest(lefts + places.effects(m, b, t))
+            better = np.flatnonzero(tried < worst * (1 - GAIN))
+            if len(better) > _FOLLOWED:
+                better = better[np.argpartition(tried[better], _FOLLOWED)[:_FOLLOWED]]
+            found += [(float(tried[x]), (k, int(a[x]), int(s[x])), (m, int(b[x]), int(t[x]))) for x in better.tolist()]
     return found
 
 

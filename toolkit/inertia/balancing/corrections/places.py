@@ -34,19 +34,22 @@ class Places:
     Attributes
     ----------
     steps : of all planes
-    gains : (k, t) what a unit vector of each of the steps does in the tolerance planes, over their limits
+    gains : for each of the steps (s, t), what a unit vector at each setting does in the tolerance planes, over their
+        limits: the deeper a hole along the shaft, the farther along the shaft it acts
     start : (t,) what is there, over the limits
     seconds : how long a search may take
     cut_short : whether the time was up
     """
 
     steps: Sequence[Steps]
-    gains: Complex
+    gains: Sequence[Complex]
     start: Complex
     seconds: float = math.inf
     cut_short: bool = field(default=False, init=False)
     _begun: float = field(default_factory=thread_time, init=False)
     _rooms: dict[tuple[int, Spot], Float] = field(default_factory=dict, init=False)
+    _sizes: dict[int, Complex] = field(default_factory=dict, init=False)
+    _directions: dict[int, Complex] = field(default_factory=dict, init=False)
 
     def late(self) -> bool:
         """Say whether the time is up."""
@@ -57,25 +60,47 @@ class Places:
     def effect(self, spot: Spot) -> Complex:
         """Return what a place adds in the tolerance planes, over the limits."""
         k, a, s = spot
-        steps = self.steps[k]
-        effect: Complex = self.gains[k] * (steps.sizes[s] * np.exp(1j * steps.angles[a]))
+        effect: Complex = self._at_zero(k)[:, s] * self._turns(k)[a]
         return effect
+
+    def effects(self, k: int, a: Int, s: Int) -> Complex:
+        """Return what places (...,) of steps k add in the tolerance planes, (t, ...), over the limits."""
+        effects: Complex = self._at_zero(k)[:, s] * self._turns(k)[a]
+        return effects
+
+    def _at_zero(self, k: int) -> Complex:
+        """Return what the settings of steps k add at angle 0, (t, s)."""
+        if k not in self._sizes:
+            self._sizes[k] = np.ascontiguousarray((self.steps[k].sizes[:, None] * self.gains[k]).T)
+        return self._sizes[k]
+
+    def _turns(self, k: int) -> Complex:
+        if k not in self._directions:
+            self._directions[k] = np.exp(1j * self.steps[k].angles)
+        return self._directions[k]
+
+    def varies(self, k: int) -> bool:
+        """Say whether settings of steps k act at different places along the shaft."""
+        return bool(np.ptp(self.gains[k], axis=0).any())
 
     def vector(self, spot: Spot) -> complex:
         """Return what a place makes up in its plane, kg m."""
         k, a, s = spot
         return complex(self.steps[k].sizes[s] * np.exp(1j * self.steps[k].angles[a]))
 
-    def vectors(self, plans: Int) -> Complex:
-        """Return what plans (p, n, 3) of a plane make up, (p,) kg m."""
-        total = np.zeros(len(plans), complex)
+    def middle(self, kinds: Iterable[int]) -> Complex:
+        """Return what a unit vector of a plane does, (t,) over the limits: the mean of its steps' deepest settings."""
+        gain: Complex = np.mean([self.gains[k][-1] for k in kinds], axis=0)
+        return gain
+
+    def sums(self, plans: Int) -> Complex:
+        """Return what plans (p, n, 3) add in the tolerance planes, (p, t) over the limits."""
+        total = np.zeros((len(self.start), len(plans)), complex)
         for k in np.unique(plans[..., 0]).tolist():
             steps = self.steps[k]
-            vectors = steps.sizes[plans[..., 2] % len(steps.sizes)] * np.exp(
-                1j * steps.angles[plans[..., 1] % len(steps.angles)]
-            )
-            total += np.where(plans[..., 0] == k, vectors, 0).sum(axis=1)
-        return total
+            effects = self.effects(k, plans[..., 1] % len(steps.angles), plans[..., 2] % len(steps.settings))
+            total += np.where(plans[..., 0] == k, effects, 0).sum(axis=2)
+        return total.T
 
     def rest(self, spots: Sequence[Spot]) -> Complex:
         """Return what is left with these places."""

@@ -29,6 +29,7 @@ SECONDS = 10.0
 _TIE = 1e-6
 _NEARLY = 0.01  # of the least residual: numbers of places that come so near it are tried first
 _OUT_OF_REACH = 0.3  # of the time
+_FEW = 4000  # angles times settings
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,7 @@ class Plan:
     spots : the places
     worst : the largest |residual| over its limit
     bound : no plan with at most so many places leaves less, nor one with any number where the limits are out of reach
+    lowest : no plan leaves less, whatever its number of places
     fewest : no plan with fewer places is within the limits; 0 where none is
     cut_short : the time was up before the search was through
     binding : numbers of the planes that would have to reach farther, where the limits are out of reach
@@ -48,6 +50,7 @@ class Plan:
     spots: tuple[Spot, ...]
     worst: float
     bound: float
+    lowest: float
     fewest: int
     cut_short: bool
     binding: tuple[int, ...] = ()
@@ -71,7 +74,7 @@ def best_plan(places: Places, aim: float = 1.0) -> Plan:
     """Return the best plan; `aim` is what is to be left at most, as of `rank`, if it can be."""
     sharing, listing = Sharing(places), Listing(places)
     lowest = sharing.lowest
-    best = Plan((), worst_of(places.start), lowest, 0, False)
+    best = Plan((), worst_of(places.start), lowest, lowest, 0, False)
     solved: set[tuple[int, ...]] = set()
     fewest = 0
 
@@ -79,10 +82,10 @@ def best_plan(places: Places, aim: float = 1.0) -> Plan:
         result = best
         if result.spots and places.late():  # however little time there is, one plan is made
             return result
-        for counts, least, vectors in sharing.ways(number, open_below):
+        for counts, least, shares in sharing.ways(number, open_below):
             if counts not in solved and least <= below * (1 + _TIE) and not (result.spots and places.late()):
                 solved.add(counts)
-                spots, worst = _with_counts(places, sharing, listing, counts, vectors, least, below)
+                spots, worst = _with_counts(places, sharing, listing, counts, shares, least, below)
                 if math.isfinite(worst) and rank(aim, len(spots), worst) < rank(aim, len(result.spots), result.worst):
                     result = replace(result, spots=spots, worst=worst)
                 if result.worst <= FINE:
@@ -127,7 +130,7 @@ def _with_counts(
     sharing: Sharing,
     listing: Listing,
     counts: Sequence[int],
-    vectors: Complex,
+    shares: Complex,
     least: float,
     below: float,
 ) -> tuple[tuple[Spot, ...], float]:
@@ -140,22 +143,33 @@ def _with_counts(
     every = [k for k in listed if k is not None]
     if len(every) == len(listed):
         return listing.best_of(every, below) or ((), math.inf)
-    begun = [start for start in starts(places, kinds, counts, vectors) if places.fits(start)]
+    begun = [start for start in starts(places, kinds, counts, shares) if places.fits(start)]
     for order in (1, -1) if not begun else ():  # the planes' places would be in each other's way
-        begun += starts(places, kinds, counts, vectors, order)
+        begun += starts(places, kinds, counts, shares, order)
     begun.sort(key=lambda k: worst_of(places.rest(k)))
     enough = max(FINE, least * (1 + _NEARLY))
-    singly = []
-    for start in begun[: LAYOUTS**2]:
-        singly.append(improve(places, start, kinds, enough, pairs=False))
+    tried, followed = _thoroughness(places)
+    singly: dict[tuple[Spot, ...], tuple[tuple[Spot, ...], float]] = {}
+    for start in begun[:tried]:
+        moved, left = improve(places, start, kinds, enough, pairs=False)
+        singly.setdefault(tuple(sorted(moved)), (moved, left))
         if places.late():
             break
     spots: tuple[Spot, ...] = ()
     worst = math.inf
-    for start, _ in sorted(singly, key=lambda way: way[1])[:LAYOUTS]:
+    for start, _ in sorted(singly.values(), key=lambda way: way[1])[:followed]:
         improved, left = improve(places, start, kinds, enough)
         if left < worst:
             spots, worst = improved, left
         if worst <= enough or places.late():
             break
     return spots, worst
+
+
+def _thoroughness(places: Places) -> tuple[int, int]:
+    """Return how many layouts are improved singly, and how many of them in pairs as well."""
+    if not any(places.varies(k) for k in range(len(places.steps))):
+        return LAYOUTS**2, LAYOUTS
+    # What does most where levers differ is none of the layouts that make up the vector best.
+    few = sum(each.count for each in places.steps) <= _FEW
+    return (LAYOUTS**3, LAYOUTS**3) if few else (LAYOUTS**2, 2 * LAYOUTS)

@@ -8,10 +8,12 @@ from functools import cached_property
 
 import numpy as np
 
-from inertia.balancing.corrections.capacity import extents, least_residual
+from inertia.balancing.corrections.capacity import Capacity
+from inertia.balancing.corrections.least_residual import least_residual
 from inertia.balancing.corrections.places import GAIN, Places
 from inertia.balancing.unbalance import Complex
 
+_ANY = 1 << 30  # places: as many as there can be
 _FAR = 4.0  # of what has to be made up: no plane need reach farther
 _FARTHER = 2.0  # where it is asked whether a plane's reach binds
 
@@ -19,7 +21,7 @@ MORE = 6
 """Places more than a bound asks for that are tried: what lies within reach may still lie between the steps."""
 
 Way = tuple[tuple[int, ...], float, Complex]
-"""Places of each plane, the bound of what plans with them leave, and the vectors (planes,) that would leave it."""
+"""Places of each plane, the bound of what plans with them leave, and what each does (planes, t) that would leave it."""
 
 
 class Sharing:
@@ -35,17 +37,17 @@ class Sharing:
     def __init__(self, places: Places) -> None:
         self.planes = sorted({each.plane for each in places.steps})
         self.kinds = [[k for k, each in enumerate(places.steps) if each.plane == plane] for plane in self.planes]
+        gains = np.column_stack([places.middle(group) for group in self.kinds])
+        enough = _enough(gains, places.start)
+        self._capacities = [Capacity.of(places, group, enough) for group in self.kinds]
+        self.most = [each.most for each in self._capacities]
         self._start = places.start
-        self._gains = np.column_stack([places.gains[group[0]] for group in self.kinds])
-        enough = _FAR * float(np.abs(np.linalg.pinv(self._gains) @ self._start).max())
-        self._reach = [extents([places.steps[k] for k in group], enough) for group in self.kinds]
-        self.most = [len(k) - 1 for k in self._reach]
         self._known: dict[tuple[int, ...], tuple[float, Complex]] = {}
 
     @cached_property
     def lowest(self) -> float:
         """What any plan leaves at least."""
-        return self._least(tuple(self.most))[0]
+        return self._least((_ANY,) * len(self.planes))[0]
 
     def binding(self) -> tuple[int, ...]:
         """Return the planes that would have to reach farther, where the limits are out of reach."""
@@ -54,8 +56,9 @@ class Sharing:
         return tuple(plane for n, plane in enumerate(self.planes) if self._binds(n))
 
     def _binds(self, plane: int) -> bool:
-        farther = [_FARTHER * k[-1] if n == plane else k[-1] for n, k in enumerate(self._reach)]
-        return least_residual(self._gains, self._start, farther)[0] < self.lowest * (1 - 1e-6)
+        farther = [_FARTHER if n == plane else 1.0 for n in range(len(self.planes))]
+        counts = (_ANY,) * len(self.planes)
+        return least_residual(self._capacities, self._start, counts, farther)[0] < self.lowest * (1 - 1e-6)
 
     def first(self, aim: float) -> int:
         """Return the least number of places that the bound leaves open, by halving."""
@@ -69,23 +72,34 @@ class Sharing:
         return high
 
     def ways(self, number: int, aim: float) -> list[Way]:
-        """Return how so many places may be shared by the planes, with the bound and the vectors, the best first."""
+        """Return how so many places may be shared by the planes, with the bound and what each does, the best first."""
         ways = []
         for counts in _shares(number, [most + MORE for most in self.most]):
-            least, vectors = self._least(tuple(map(min, counts, self.most)))
+            least, shares = self._least(counts)
             if least <= aim * (1 + GAIN):
-                ways.append((counts, least, vectors))
+                ways.append((counts, least, shares))
         return sorted(ways, key=lambda way: (round(way[1], 3), -min(way[0], default=0), way[0]))
 
     def _least(self, counts: tuple[int, ...]) -> tuple[float, Complex]:
         if counts not in self._known:
-            reach = [k[n] for k, n in zip(self._reach, counts, strict=True)]
-            self._known[counts] = least_residual(self._gains, self._start, reach)
+            self._known[counts] = least_residual(self._capacities, self._start, counts)
         return self._known[counts]
 
     def bound(self, number: int, aim: float = math.inf, default: float = 0.0) -> float:
         """Return what plans with so many places leave at least; `default` where none comes within `aim`."""
         return min((least for _, least, _ in self.ways(number, aim)), default=default)
+
+
+def _enough(gains: Complex, start: Complex) -> float:
+    """Return the largest vector (kg m) of a plane that is of use, by the gains (t, planes) and what is there (t,).
+
+    What leaves no more than there is, |start + gains w| ≤ max |start|, is no longer; of more planes than t, of which
+    some may work against others, several times what has to be made up is taken for enough.
+    """
+    inverse = np.linalg.pinv(gains)
+    left = math.sqrt(len(start)) * float(np.abs(start).max())
+    longest = float(np.linalg.norm(inverse, 2)) * (float(np.linalg.norm(start)) + left)
+    return max(longest, _FAR * float(np.abs(inverse @ start).max()))
 
 
 def _shares(number: int, most: Sequence[int]) -> Iterator[tuple[int, ...]]:
