@@ -117,6 +117,19 @@ def test_a_box_is_the_true_shape():
     assert facet_uncertainty(layers, STEEL, on_z(*PLANES), COUPLE_AT).modes == ()
 
 
+def test_a_facet_that_a_small_bore_pierces_lies_beside_itself():
+    """A disc of 360 facets 1.9 mm wide with a radial bore of 0.8 mm: around the bore the way leads back to its own."""
+    import manifold3d
+
+    bore = manifold3d.Manifold.cylinder(300, 0.4, 0.4, 30).rotate([0, 90, 0]).rotate([0, 0, -29.82])
+    disc = manifold3d.Manifold.cylinder(37.3, 110.008, 110.008, 360) - bore.translate([0, 0, 17.9])
+    mesh = disc.to_mesh()
+    corners = np.float64(np.float32(mesh.vert_properties[:, :3]))[mesh.tri_verts]
+    layers = FacetLayers(surface(corners))
+    assert layers.recognised > 0.99
+    assert layers.sag == pytest.approx(110.008 * (1 - np.cos(np.pi / 360)), rel=1e-3)
+
+
 def test_edges_that_turn_by_less_than_a_right_angle_may_be_true():
     """A block whose edges are chamfered at 45°, and two that meet at 8°, have no facets."""
     for name in ("chamfered_block", "wedge"):

@@ -224,3 +224,11 @@ def test_no_holes_are_planned_of_an_unbalance_without_bound():
     result = measure(Job.from_dict(table))
     assert (result.outcome, result.balance) == ("undecided", None)
     assert "bearings: the readings do not bound the unbalance: UNDECIDED" in result.why
+
+
+def test_a_weight_without_any_effect_gives_no_figure():
+    matrix, unbalance = machine(np.random.default_rng(1), 1, 1)
+    table = job_of(matrix, unbalance, [0.01]).to_dict()
+    table["run"][1]["readings"] = table["run"][0]["readings"]
+    with pytest.raises(GeometryError, match=r"the weights in plane 'P0' change no reading but by rounding, .* larger"):
+        measure(Job.from_dict(table))

@@ -217,7 +217,9 @@ def _walked(mesh: FacetMesh, facet: Int, first: int, label: Int, hinge: Bool) ->
         ahead = _beside(mesh, parts[-1], label, hinge)
         ahead = ahead[~np.isin(ahead, np.concatenate([facet, *parts]))]
         turns = mesh.normals[ahead] - here
-        straight = turns @ (here - before) / (np.linalg.norm(turns, axis=1) * np.linalg.norm(here - before))
+        size = np.linalg.norm(turns, axis=1) * np.linalg.norm(here - before)
+        # A facet may lie beside itself, across a bore through it: that is no way ahead.
+        straight = np.divide(turns @ (here - before), size, out=np.full(len(turns), -1.0), where=size > 0)
         if not len(ahead) or straight.max() < _STRAIGHT:
             break
         first, before = int(ahead[straight.argmax()]), here

@@ -27,7 +27,7 @@ from inertia.mesh.manifold import exponent_of, solid
 from inertia.mesh.part import Part, Regions, Rounding
 from inertia.mesh.repairs.holes import around
 from inertia.mesh.repairs.weld import compact
-from inertia.mesh.surface import Surface
+from inertia.mesh.surface import Surface, Triangles
 from inertia.records import dataclass
 
 SEGMENTS = 64
@@ -231,7 +231,7 @@ def stock(part: Part) -> Stock:
     vertices, faces = merge_equal_vertices(triangles)
     exponent = exponent_of(vertices)
     ready = []
-    for group in _groups(part, topology):
+    for group in pieces(triangles, topology):
         own = group[~repeated_corners(faces[group])]
         index = np.zeros(len(own), np.int64) if part.regions is None else part.regions.index[own].astype(np.int64)
         own = own[np.argsort(index, kind="stable")]
@@ -257,14 +257,12 @@ def cut(part: Part, tools: Sequence[Surface]) -> Part:
     return stock(part).cut(tools)
 
 
-def _groups(part: Part, topology: Closure) -> list[Int]:
-    """Return the triangles of each body."""
+def pieces(surface: Triangles, topology: Closure) -> list[Int]:
+    """Return the numbers of the triangles of each body of a surface, with those of its cavities."""
     if topology.components == 1:
-        return [np.arange(part.triangles.count)]
-    pieces = members(topology)
-    return [
-        np.concatenate([pieces[shell] for shell in body.shells]) for body in bodies(shells(part.triangles, topology))
-    ]
+        return [np.arange(surface.count)]
+    numbers = members(topology)
+    return [np.concatenate([numbers[shell] for shell in body.shells]) for body in bodies(shells(surface, topology))]
 
 
 def _runs(vertices: Float, faces: Int, exponent: int, lengths: Int) -> tuple[Any, int]:

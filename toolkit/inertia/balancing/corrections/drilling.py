@@ -33,7 +33,9 @@ from inertia.records import dataclass
 
 _AROUND = 8  # rays along the wall of a hole
 _WITHIN = 0.999  # of the radius, where they run
-_SLOPE = math.tan(math.radians(20))  # of the surface that a hole begins in: a drill runs off on a steeper one
+SLOPE = math.tan(math.radians(20))
+"""Of the surface that a hole begins in: a drill runs off on a steeper one."""
+
 _DEEPEST = 0.5  # of the radius, where no limit is given for a radial hole
 _SMALL = 1e-18
 
@@ -143,7 +145,7 @@ class Drill(Tool):
         least, half = self.plane.min_wall, 0.5 * self.diameter
         rays = [Ray(0.0, 0.0, self.tip + least, under=self.tip)]
         for distance, ahead, under in ((_WITHIN * half, least, 0.0), (half + least, 0.0, None)):
-            lag = _SLOPE * distance + (distance**2 / self.radius if self.towards_shaft else 0.0)
+            lag = SLOPE * distance + (distance**2 / self.radius if self.towards_shaft else 0.0)
             for angle in (2 * np.pi * np.arange(_AROUND) / _AROUND).tolist():
                 along, aside = distance * math.cos(angle), distance * math.sin(angle)
                 rays.append(Ray(along, aside, ahead, lag, under))

@@ -35,6 +35,7 @@ _NODES = 32
 _STATION = math.radians(0.5)  # between the corners of an arc as it is cut
 _STATIONS = 24  # on what a cutter takes beyond either end
 _SAME = 1e-9
+_PAST = 1e-8  # of the radius
 _ALONG = 0.999  # of the width, where rays run
 
 
@@ -159,6 +160,11 @@ class Cutter(Tool):
         return 0.5 * self.width
 
     @property
+    def _half_cut(self) -> float:
+        """Half of the width that is cut: past the faces of a part as wide, where rounding would leave a skin of it."""
+        return self.along + _PAST * self.radius
+
+    @property
     def clearance(self) -> float:
         """Half of the radius."""
         return 0.5 * self.radius
@@ -221,8 +227,9 @@ class FlatCutter(Cutter):
         """Return the block above the flat."""
         radius = self.radius
         outward, aside, along = self._axes(angle)
-        corner = (radius - setting) * outward - radius * aside + (self.plane.z - 0.5 * self.width) * along
-        return block(corner, [(self.clearance + setting) * outward, 2 * radius * aside, self.width * along])
+        half = self._half_cut
+        corner = (radius - setting) * outward - radius * aside + (self.plane.z - half) * along
+        return block(corner, [(self.clearance + setting) * outward, 2 * radius * aside, 2 * half * along])
 
     def rays(self) -> tuple[Ray, ...]:
         """Return the rays at the flat's middle and at both of its ends, which may lie off the part."""
@@ -327,9 +334,8 @@ class ArcCutter(Cutter):
             middle = angles if setting else angles[:1]
             inner = np.concatenate([s[::-1], inner[: len(middle)], s])
             angles = np.concatenate([middle[0] - beyond[::-1], middle, middle[-1] + beyond])
-        return ring_segment(
-            np.asarray(angles, float), inner, self.radius + self.clearance, plane.z - self.along, plane.z + self.along
-        )
+        outer, half = self.radius + self.clearance, self._half_cut
+        return ring_segment(np.asarray(angles, float), inner, outer, plane.z - half, plane.z + half)
 
     def rays(self) -> tuple[Ray, ...]:
         """Return the rays at the middle of its width and at both ends, which may lie off the part."""

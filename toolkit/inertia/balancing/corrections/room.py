@@ -3,7 +3,7 @@
 Rays run beside each other where the tool would run: along its axis, along its wall, and as far outside of that as the
 wall is thick. All of them have to meet the surface near where the tool starts, or it starts in air or breaks out of a
 side, and to stay in material as deep as the tool goes, and the wall below. A tool that runs towards the shaft ends
-there at the latest.
+there at the latest. What lies between the rays limits it as well: see `obstacles`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,12 @@ import numpy as np
 
 from inertia.arrays import Bool, Float, Int
 from inertia.balancing.corrections.correction_plane import FULL_TURN, CorrectionPlane
-from inertia.balancing.corrections.milling import ArcCutter
+from inertia.balancing.corrections.cutter_clearance import arc_room, arc_wall, flat_room, flat_wall
+from inertia.balancing.corrections.drill_clearance import drill_room, drill_wall, goes_through
+from inertia.balancing.corrections.drilling import Drill
+from inertia.balancing.corrections.milling import ArcCutter, FlatCutter
+from inertia.balancing.corrections.obstacles import Obstacles, obstacles
+from inertia.balancing.corrections.sweeps import pairs
 from inertia.balancing.corrections.tool import Ray, Tool
 from inertia.balancing.corrections.workpiece import Body, run
 from inertia.errors import GeometryError
@@ -79,8 +84,9 @@ def rooms(bodies: Sequence[Body], tools: Sequence[Tool], angles: Float, sag: flo
     sag : m, as for `metal`
     """
     found = metal(bodies, tools[0], angles, sag)
+    near = obstacles(bodies, tools[0], _begins(tools[0], found))
     if not isinstance(tools[0], ArcCutter):
-        return [_deepest(bodies, tool, angles, found) - found.starts for tool in tools], found
+        return [_clear(near, tool, angles, found, _deepest(bodies, tool, angles, found)) for tool in tools], found
     around = FULL_TURN * np.arange(_AROUND) / _AROUND
     bottom = _deepest(bodies, tools[0], around, metal(bodies, tools[0], around, sag))
     away = np.abs((angles[:, None] - around + math.pi) % FULL_TURN - math.pi)
@@ -89,8 +95,44 @@ def rooms(bodies: Sequence[Body], tools: Sequence[Tool], angles: Float, sag: flo
         assert isinstance(tool, ArcCutter)
         # An arc stays as far from the shaft as it is in its middle, where its depth is counted from the metal.
         bad = ~(bottom >= (tool.depth + found.starts)[:, None] - _TINY)
-        room.append(tool.within(np.where(bad, away, math.inf).min(axis=1) - FULL_TURN / _AROUND))
+        half = np.where(bad, away, math.inf).min(axis=1) - FULL_TURN / _AROUND
+        start = float(found.starts[np.isfinite(found.starts)].max(initial=0.0))
+        room.append(tool.within(np.minimum(half, arc_room(near, tool, angles, start))))
     return room, found
+
+
+def _begins(tool: Tool, found: Metal) -> Float:
+    """Return where metal begins under a plane's surface near that, m."""
+    near = np.abs(found.enter) <= max(PROUD * tool.plane.radius, _TOUCHING)
+    return found.enter[near]
+
+
+def _clear(near: Obstacles, tool: Tool, angles: Float, found: Metal, most: Float) -> Float:
+    """Return how deep a tool may go at angles (m,) rad, from where its metal begins, −∞ where it may not start.
+
+    Parameters
+    ----------
+    most : (m,) how deep rays let it go under its plane's surface
+    """
+    if isinstance(tool, FlatCutter):
+        room = flat_room(near, tool, angles, most, float(_begins(tool, found).min(initial=0.0)))
+    elif isinstance(tool, Drill) and tool.plane.through:
+        free = goes_through(near, tool, angles, found.enter, found.leave, _between(tool, angles))
+        room = np.where(free, most, -math.inf)
+    elif isinstance(tool, Drill):
+        room = drill_room(near, tool, angles, most, _between(tool, angles))
+    else:
+        room = most
+    return np.where(room > found.starts, room, -math.inf) - found.starts
+
+
+def _between(tool: Tool, angles: Float) -> float:
+    """Return how far beside the nearest of the angles looked at a tool may be set, m."""
+    plane = tool.plane
+    if plane.angles != "free" or len(angles) < 2:
+        return 0.0
+    apart = float(angles[1] - angles[0])
+    return 0.5 * apart * plane.radius if plane.angle_step < apart * (1 - _TINY) else 0.0
 
 
 def _deepest(bodies: Sequence[Body], tool: Tool, angles: Float, found: Metal) -> Float:
@@ -187,17 +229,6 @@ def _section(corners: Float, z: float) -> tuple[Float, Float]:
     return first, last
 
 
-def _pairs(low: Float, high: Float, angles: Float) -> tuple[Int, Int]:
-    """Return the pairs (item, angle) of items between angles low and high (n,), which may run through 0."""
-    around = np.concatenate([angles - FULL_TURN, angles, angles + FULL_TURN, angles + 2 * FULL_TURN])
-    high = np.minimum(high, low + FULL_TURN - _TINY)
-    start, stop = np.searchsorted(around, low - 1e-9), np.searchsorted(around, high + 1e-9, side="right")
-    lengths = stop - start
-    item = np.repeat(np.arange(len(low)), lengths)
-    place = np.arange(lengths.sum()) - np.repeat(np.cumsum(lengths) - lengths, lengths) + np.repeat(start, lengths)
-    return item, place % len(angles)
-
-
 def _across(first: Float, last: Float, aside: float, angles: Float) -> tuple[Int, Float, Bool]:
     """Return where lines towards the shaft, `aside` from it, cross segments with a body on their left."""
     near = np.minimum(np.linalg.norm(first, axis=1), np.linalg.norm(last, axis=1))
@@ -208,7 +239,7 @@ def _across(first: Float, last: Float, aside: float, angles: Float) -> tuple[Int
     spread = np.where(near > abs(aside), np.arcsin(np.minimum(abs(aside) / np.maximum(near, 1e-300), 1.0)), math.pi)
     one = np.arctan2(first[:, 1], first[:, 0]) % FULL_TURN
     turn = (np.arctan2(last[:, 1], last[:, 0]) - one + math.pi) % FULL_TURN - math.pi
-    item, number = _pairs(one + np.minimum(turn, 0) - spread, one + np.maximum(turn, 0) + spread, angles)
+    item, number = pairs(one + np.minimum(turn, 0) - spread, one + np.maximum(turn, 0) + spread, angles)
     turns = np.exp(-1j * angles)[number]
     here, there = ((points[:, 0] + 1j * points[:, 1])[item] * turns for points in (first, last))
     low, high = here.imag > aside, there.imag > aside
@@ -232,7 +263,7 @@ def _upward(corners: Float, radius: float, angles: Float) -> tuple[Int, Float, B
     whole = high - low >= math.pi  # the shaft's axis may run through it
     order = np.argsort(angles % FULL_TURN, kind="stable")
     low, high = np.where(whole, 0.0, (one + low) % FULL_TURN), np.where(whole, FULL_TURN, high - low)
-    item, place = _pairs(low, low + high, (angles % FULL_TURN)[order])
+    item, place = pairs(low, low + high, (angles % FULL_TURN)[order])
     number = order[place]
     point = radius * np.exp(1j * angles[number])
     a, b, c = (flat[item, k] - point for k in range(3))
@@ -247,8 +278,8 @@ def _upward(corners: Float, radius: float, angles: Float) -> tuple[Int, Float, B
 def remaining_wall(bodies: Sequence[Body], tool: Tool, angle: float, setting: float) -> float:
     """Return how much of the part is left between a tool and the next surface, m; infinite where it cuts nothing.
 
-    That is under the tool, no farther than to the shaft's axis, and beside the shoulder of a hole. Holes through have
-    a wall beside them.
+    That is to the nearest surface that the tool does not enter, in any direction, and under it no farther than to the
+    shaft's axis. Holes through have a wall beside them.
     """
     limits = [math.inf]
     angles, deep = tool.under(angle, setting)
@@ -261,7 +292,21 @@ def remaining_wall(bodies: Sequence[Body], tool: Tool, angle: float, setting: fl
         for origin, direction, beside in tool.sideways(angle, setting)
         if (stretch := run(bodies, origin, direction)) is not None
     ]
-    return min(limits)
+    return _nearest(bodies, tool, angle, setting, min(limits))
+
+
+def _nearest(bodies: Sequence[Body], tool: Tool, angle: float, setting: float, most: float) -> float:
+    """Return how far a tool on the metal stays from all that it does not enter; at most `most`, m."""
+    span = float(np.linalg.norm(np.ptp(np.concatenate([body.box for body in bodies]), axis=0)))
+    near, within = obstacles(bodies, tool, np.array([tool.start])), min(most, span)
+    nearest = within
+    if isinstance(tool, Drill):
+        nearest = drill_wall(near, tool, angle, setting, within)
+    elif isinstance(tool, FlatCutter):
+        nearest = flat_wall(near, tool, angle, setting, within)
+    elif isinstance(tool, ArcCutter):
+        nearest = arc_wall(near, tool, angle, setting, within)
+    return nearest if nearest < within else most
 
 
 def _there(places: Float, plane: CorrectionPlane) -> str:

@@ -9,15 +9,16 @@ from operator import add
 
 import numpy as np
 
-from inertia.arrays import Float
+from inertia.arrays import Float, Int
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.unbalance import Complex, PointMass, Unbalance
 from inertia.mass.analyse import mass_properties
-from inertia.mesh.cut import Stock, stock
+from inertia.mesh.cut import Stock, pieces, stock
+from inertia.mesh.geometry.closure import closure
 from inertia.mesh.geometry.rays import inside
 from inertia.mesh.part import Part
-from inertia.mesh.surface import Surface
+from inertia.mesh.surface import Surface, Triangles
 from inertia.records import dataclass
 
 _TOUCHING = 1e-6  # m: bodies with a gap no wider than this are one wall
@@ -123,13 +124,22 @@ def changed(start: Unbalance, before: Unbalance, after: Unbalance) -> Unbalance:
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A body's triangles (n, 3, 3) in shaft axes and m, their boxes (n, 3), its own (2, 3), and its density, kg/m³."""
+    """A body's triangles (n, 3, 3) in shaft axes and m, their boxes (n, 3), its own (2, 3), and its density, kg/m³.
+
+    `surface` is its surface as it is in the part.
+    """
 
     corners: Float
     low: Float
     high: Float
     box: Float
     density: float
+    surface: Triangles
+
+    @cached_property
+    def pieces(self) -> list[Int]:
+        """The numbers of the triangles of each of its pieces, those that have nothing in common."""
+        return pieces(self.surface, closure(self.surface))
 
 
 def bodies(parts: Sequence[Part], densities: Sequence[float], shaft: Shaft) -> tuple[Body, ...]:
@@ -138,7 +148,7 @@ def bodies(parts: Sequence[Part], densities: Sequence[float], shaft: Shaft) -> t
     for part, density in zip(parts, densities, strict=True):
         corners = shaft.to_shaft(part.triangles.corners() * float(part.unit.metres))
         low, high = corners.min(axis=1), corners.max(axis=1)
-        placed.append(Body(corners, low, high, np.stack([low.min(axis=0), high.max(axis=0)]), density))
+        placed.append(Body(corners, low, high, np.stack([low.min(axis=0), high.max(axis=0)]), density, part.triangles))
     return tuple(placed)
 
 

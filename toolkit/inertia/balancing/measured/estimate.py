@@ -374,6 +374,14 @@ def _fitted(job: Job, readings: Complex, mounted: Complex) -> Complex:
             f"{_counted(len(mounted), 'run')}{also} cannot tell what a weight does in {planes}: mount a trial weight "
             f"in every plane, in runs that are not multiples of each other, or name a file of coefficients{_trial(job)}"
         )
+    effects = np.abs(matrix).max(axis=0) * np.abs(mounted).max(axis=0)
+    without = np.flatnonzero(effects <= _SAME * float(np.abs(readings).max(initial=0.0)))
+    if len(without):
+        names = ", ".join(repr(job.planes[k].id) for k in without.tolist())
+        raise GeometryError(
+            f"the weights in plane {names} change no reading but by rounding, so that nothing follows from them: mount "
+            f"larger ones, or check that the readings are those of different runs{_trial(job)}"
+        )
     return matrix
 
 
