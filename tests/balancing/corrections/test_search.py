@@ -64,6 +64,28 @@ def test_what_nothing_caps_is_shared_by_two_positions(count, method):
     assert masses.sum() <= 4 * 1.73e-3 / 0.08
 
 
+def test_no_plan_keeps_a_place_that_it_is_better_without():
+    """Weights whose levers differ, in plans that are the first found: none is as good as asked for with one less."""
+    kit = tuple(KitWeight(f"{k}", k * 1e-3) for k in np.linspace(0.1, 1.0, 10).tolist())
+    planes = [CorrectionPlane(str(z), z, "kit", 0.04, angles=evenly(72), kit=kit) for z in (0.0, 0.05)]
+    steps = [
+        steps_of(number, tool, 1e-3) for number, plane in enumerate(planes) for tool in tools_of_density(plane, STEEL)
+    ]
+    levers = np.array([[1.2, 0.3], [-0.2, 0.7]]) / LIMIT
+    gains = [
+        each.tool.sign * levers[:, each.plane] * (1 + 0.1 * np.linspace(0, 1, len(each.settings)))[:, None]
+        for each in steps
+    ]
+    for number in range(40):
+        rng = np.random.default_rng(number)
+        start = rng.uniform(1.0, 3.0, 2) * np.exp(2j * np.pi * rng.random(2))
+        places = Places(steps, gains, start, 0.0)
+        plan = best_plan(places, AIM)
+        rests = [places.rest(plan.spots[:k] + plan.spots[k + 1 :]) for k in range(len(plan.spots))]
+        goal = next((each for each in (AIM, 1.0) if plan.worst <= each), 0.0)
+        assert all(np.abs(rest).max() > goal for rest in rests)
+
+
 @pytest.mark.parametrize("heavy", [10e-3, 60e-3, 1.0])
 @pytest.mark.parametrize("most", [1, 2])
 def test_a_weight_too_heavy_to_use_does_not_spoil_the_others(heavy, most):

@@ -112,6 +112,7 @@ def best_plan(places: Places, aim: float = 1.0) -> Plan:
             if best.worst <= max(FINE, lowest * (1 + _TIE)):
                 break
             best = attempt(number, best.worst, best.worst)
+    best = _spared(places, best, aim)
     bound = lowest
     if best.worst <= 1:
         bound = sharing.bound(len(best.spots), 1.0, default=lowest)
@@ -123,6 +124,17 @@ def best_plan(places: Places, aim: float = 1.0) -> Plan:
         cut_short=places.cut_short,
         binding=sharing.binding(),
     )
+
+
+def _spared(places: Places, plan: Plan, aim: float) -> Plan:
+    """Return the plan without the places that it is better without: a search that was cut short may leave some."""
+    while plan.spots:
+        rests = [plan.spots[:k] + plan.spots[k + 1 :] for k in range(len(plan.spots))]
+        worst, spots = min((worst_of(places.rest(spots)), spots) for spots in rests)
+        if rank(aim, len(spots), worst) >= rank(aim, len(plan.spots), plan.worst):
+            break
+        plan = replace(plan, spots=spots, worst=worst)
+    return plan
 
 
 def _with_counts(
