@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from fractions import Fraction
+from itertools import permutations
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 from tests.benchmarks.extremes.cases import ball
 from tests.benchmarks.meshes import wavy_torus
 from tests.mass.triangles.cases import (
@@ -165,14 +167,11 @@ def test_the_bounds_of_needles_and_foils_askew_are_those_of_compact_parts(
     assert max(bounds[4:]) < 4 * 2.0**-53 * spread
 
 
-@STORAGES
-@pytest.mark.parametrize("shape", [(1, 1, 1), *NEEDLES[1:3], *FOILS[1:]], ids=str)
-def test_area_and_extents_are_those_of_float64_sums(shape: tuple[float, ...], stored: Storage) -> None:
-    vertices, faces = wavy_torus(3000)
-    triangles = stored(Surface(placed(vertices * shape, 2, 0.0, 1.0, 1.0), faces))
+def assert_area_and_extents(triangles: Triangles, axes: tuple[int, ...] | None) -> None:
+    """Check that they are those of float64 sums, where coordinates are sheared along so ordered axes."""
     frame = frame_of(triangles)
     assert frame.grid is not None
-    assert (frame.grid.shear is not None) == (shape != (1, 1, 1))
+    assert (frame.grid.shear and frame.grid.shear.axes) == axes
     plain = sum_in(Frame(frame.origin, 0, False, None), triangles)
     fine = sum_in(frame, triangles)
     assert isinstance(fine, SumsOnGrid)
@@ -180,6 +179,29 @@ def test_area_and_extents_are_those_of_float64_sums(shape: tuple[float, ...], st
     assert fine.area == pytest.approx(plain.area, rel=1e-14 if frame.grid.shear else 1e-15)
     assert in_float64(fine, triangles).sums.tobytes() == plain.sums.tobytes()
     assert fine.low.tobytes() + fine.high.tobytes() == plain.low.tobytes() + plain.high.tobytes()
+
+
+@STORAGES
+@pytest.mark.parametrize("axes", [None, *permutations(range(3))], ids=str)
+def test_sums_area_and_extents_are_right_along_axes_in_any_order(axes: tuple[int, ...] | None, stored: Storage) -> None:
+    vertices, faces = wavy_torus(3000)
+    sizes = np.ones(3)
+    sizes[list(axes or ())] = (1.0, 0.2, 1e-7) if axes else ()
+    turned = (vertices * sizes) @ Rotation.from_rotvec([0.2, -0.1, 0.15]).as_matrix().T + [3.0, -1.0, 7.0]
+    triangles = stored(Surface(turned, faces))
+    assert_area_and_extents(triangles, axes)
+    assert_fine(triangles)
+
+
+@STORAGES
+@pytest.mark.parametrize(("shape", "count"), [((1, 1, 1e-3), 20_000), ((1, 1e-2, 1e-2), 5_000)], ids=str)
+def test_thin_parts_askew_are_not_sheared_where_bounds_are_near_without(
+    shape: tuple[float, ...], count: int, stored: Storage
+) -> None:
+    vertices, faces = wavy_torus(count)
+    triangles = stored(Surface(placed(vertices * shape, 2, 0.0, 1.0, 1.0), faces))
+    assert_area_and_extents(triangles, None)
+    assert_near(triangles)
 
 
 @STORAGES

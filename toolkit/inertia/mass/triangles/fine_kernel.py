@@ -1,8 +1,8 @@
 """The compiled kernels that sum the moments of triangles with the digits that float64 loses.
 
 Imported only to be compiled (`inertia.native`); `inertia.mass.triangles.fine_sums` says how. All that is done with the
-triangles of a row of lanes is one loop, as storing what lies between its steps takes longer than they do; but where
-coordinates are sheared, along axes that are not known before: these go through the memory `hold`.
+triangles of a row of lanes is one loop, as storing what lies between its steps takes longer than they do. Where
+coordinates are sheared, they are taken in the order of the axes of the shear, and sums are put back where they end.
 """
 
 from __future__ import annotations
@@ -13,22 +13,23 @@ from numba import carray, njit
 from inertia.mass.triangles.double_double_kernel import fma
 from inertia.mass.triangles.fetch_kernel import DEPTH, LANES, fetch_faces, fetch_facets, lowered, raised
 
-HIGH, LOW, EDGES, SIZE, AREA = 0, 10, 20, 23, 24
-"""Rows of the ten sums, their remainders, the squares of edges, |d|, |n|."""
+HIGH, LOW, EDGES, SIZE, REST, AREA = 0, 10, 20, 23, 24, 25
+"""Rows of the ten sums, their remainders, the squares of edges, |d|, the magnitudes of its remainders, |n|."""
 
-LEAST, MOST, FAR, ROWS = 25, 28, 31, 33
+LEAST, MOST, FAR, ROWS = 26, 29, 32, 34
 """Rows of the least and the largest coordinates, of the largest |A| along the two sheared axes; of all."""
 
-START, A, R, N, ROOM = 0, 10, 19, 28, 31
-"""Rows of `hold`: what the ten sums start from; of what is sheared, corners on the grid, what is left, the normal."""
+ROOM = 10
+"""Rows of what the ten sums start from."""
 
 TOP = 1.5 * 2.0**52
 """Times a step of a grid: what rounds to that grid where it is added."""
 
 
 @njit(inline="always")
-def prepare(start, dx, dy, dz, unit):
+def prepare(start, steps, unit):
     """Write what the sums start from: the middle of the range of their grids."""
+    dx, dy, dz = steps
     first, second = TOP * (2.0**27 * unit), TOP * (2.0**53 * unit)
     for lane in range(LANES):
         start[0, lane] = 0.0
@@ -123,12 +124,13 @@ def triangle(fine, j, top, x, y, z, left):
     g = fma(az, nz, f)
     d = g - top
     low = fma(ax, nx, top - e) + fma(ay, ny, e - f) + fma(az, nz, f - g)
-    low = fma(ax, mx, fma(ay, my, fma(az, mz, low)))
+    more = fma(ax, mx, fma(ay, my, az * mz))
     nx, ny, nz = nx + mx, ny + my, nz + mz
-    low = fma(rx, nx, fma(ry, ny, fma(rz, nz, low)))
+    low = more + fma(rx, nx, fma(ry, ny, fma(rz, nz, low)))
     fine[HIGH, j] += d
     fine[LOW, j] += low
     fine[SIZE, j] += abs(d)
+    fine[REST, j] += abs(low)
     both, (r, s, t) = d + low, left
     along(fine, 0, j, d, low, both, x, r)
     along(fine, 1, j, d, low, both, y, s)
@@ -170,62 +172,6 @@ def add_plain(corner, fine, top, origin, steps):
 
 
 @njit(inline="always")
-def place(corner, hold, fine, k, origin, step):
-    """Split the coordinates along an axis into multiples of the grid, about its origin, and what is left."""
-    top = TOP * step
-    for j in range(LANES):
-        a, b, c = corner[k, j], corner[3 + k, j], corner[6 + k, j]
-        f, g, h = near(a, top), near(b, top), near(c, top)
-        hold[A + k, j], hold[A + 3 + k, j], hold[A + 6 + k, j] = f - origin, g - origin, h - origin
-        hold[R + k, j], hold[R + 3 + k, j], hold[R + 6 + k, j] = a - f, b - g, c - h
-        fine[LEAST + k, j] = lowered(fine[LEAST + k, j], a, b, c)
-        fine[MOST + k, j] = raised(fine[MOST + k, j], a, b, c)
-
-
-@njit(inline="always")
-def shear(hold, fine, axes, factors, finer, finest):
-    """Make x_j − p x_i and x_k − q x_i − r x_j of x_j and x_k, and split them anew."""
-    i, j, k = axes
-    p, q, r = factors
-    one, other = TOP * finer, TOP * finest
-    for corner in range(0, 9, 3):
-        for n in range(LANES):
-            a, b, c = hold[A + corner + i, n], hold[A + corner + j, n], hold[A + corner + k, n]
-            u, v, w = hold[R + corner + i, n], hold[R + corner + j, n], hold[R + corner + k, n]
-            c = fma(-r, b, fma(-q, a, c))
-            w = fma(-r, v, fma(-q, u, w))
-            b = fma(-p, a, b)
-            v = fma(-p, u, v)
-            f, g = near(b + v, one), near(c + w, other)
-            hold[A + corner + j, n], hold[A + corner + k, n] = f, g
-            hold[R + corner + j, n], hold[R + corner + k, n] = (b - f) + v, (c - g) + w
-            fine[FAR, n], fine[FAR + 1, n] = max(fine[FAR, n] + 0.0, abs(f)), max(fine[FAR + 1, n] + 0.0, abs(g))
-
-
-@njit(inline="always")
-def unshear(hold, axes, factors):
-    """Take from the normal what the shear has added to it."""
-    i, j, k = axes
-    p, q, r = factors
-    for n in range(LANES):
-        x, y, z = hold[N + i, n], hold[N + j, n], hold[N + k, n]
-        hold[N + i, n], hold[N + j, n] = fma(-q, z, fma(-p, y, x)), fma(-r, z, y)
-
-
-@njit(inline="always")
-def add_sheared(hold, fine, top, axes, factors):
-    """Add one triangle to each lane, of corners that are split and sheared."""
-    for j in range(LANES):
-        x, r = (hold[A, j], hold[A + 3, j], hold[A + 6, j]), (hold[R, j], hold[R + 3, j], hold[R + 6, j])
-        y, s = (hold[A + 1, j], hold[A + 4, j], hold[A + 7, j]), (hold[R + 1, j], hold[R + 4, j], hold[R + 7, j])
-        z, t = (hold[A + 2, j], hold[A + 5, j], hold[A + 8, j]), (hold[R + 2, j], hold[R + 5, j], hold[R + 8, j])
-        hold[N, j], hold[N + 1, j], hold[N + 2, j] = triangle(fine, j, top, x, y, z, (r, s, t))
-    unshear(hold, axes, factors)
-    for j in range(LANES):
-        fine[AREA, j] += area(hold[N, j], hold[N + 1, j], hold[N + 2, j])
-
-
-@njit(inline="always")
 def of_axis(axis, numbers):
     """Return one of three numbers."""
     x, y, z = numbers
@@ -233,21 +179,57 @@ def of_axis(axis, numbers):
 
 
 @njit(inline="always")
-def add(corner, hold, fine, origin, steps, unit, axes, factors, finer):
-    """Add one triangle to each lane."""
-    if axes[0] < 0:
-        add_plain(corner, fine, TOP * unit, origin, steps)
-        return
-    place(corner, hold, fine, 0, origin[0], steps[0])
-    place(corner, hold, fine, 1, origin[1], steps[1])
-    place(corner, hold, fine, 2, origin[2], steps[2])
-    shear(hold, fine, axes, factors, of_axis(axes[1], finer), of_axis(axes[2], finer))
-    add_sheared(hold, fine, TOP * unit, axes, factors)
+def along_axes(axes, numbers):
+    """Return three numbers in the order of the axes of a shear."""
+    i, j, k = axes
+    return of_axis(i, numbers), of_axis(j, numbers), of_axis(k, numbers)
 
 
 @njit(inline="always")
-def end(fine, start, out, block):
-    """Add up the lanes as a binary tree and store the block."""
+def sheared(a, b, c, u, v, w, p, q, r, one, other):
+    """Return b − p a and c − q a − r b on their finer grids, and what is left; u, v, w is what is left of a, b, c."""
+    c = fma(-r, b, fma(-q, a, c))
+    w = fma(-r, v, fma(-q, u, w))
+    b = fma(-p, a, b)
+    v = fma(-p, u, v)
+    f, g = near(b + v, one), near(c + w, other)
+    return f, g, (b - f) + v, (c - g) + w
+
+
+@njit(inline="always")
+def add_sheared(corner, fine, top, origin, steps, axes, factors, finer):
+    """Add one triangle to each lane, with x_j − p x_i and x_k − q x_i − r x_j for x_j and x_k, in the order i, j, k."""
+    (x, y, z), (p, q, r), (_, one, other) = origin, factors, finer
+    f, g, h, one, other = TOP * steps[0], TOP * steps[1], TOP * steps[2], TOP * one, TOP * other
+    for n in range(LANES):
+        ax, ay, az = along_axes(axes, (corner[0, n], corner[1, n], corner[2, n]))
+        bx, by, bz = along_axes(axes, (corner[3, n], corner[4, n], corner[5, n]))
+        cx, cy, cz = along_axes(axes, (corner[6, n], corner[7, n], corner[8, n]))
+        fine[LEAST, n] = lowered(fine[LEAST, n], ax, bx, cx)
+        fine[MOST, n] = raised(fine[MOST, n], ax, bx, cx)
+        fine[LEAST + 1, n] = lowered(fine[LEAST + 1, n], ay, by, cy)
+        fine[MOST + 1, n] = raised(fine[MOST + 1, n], ay, by, cy)
+        fine[LEAST + 2, n] = lowered(fine[LEAST + 2, n], az, bz, cz)
+        fine[MOST + 2, n] = raised(fine[MOST + 2, n], az, bz, cz)
+        ai, aj, ak = near(ax, f), near(ay, g), near(az, h)
+        bi, bj, bk = near(bx, f), near(by, g), near(bz, h)
+        ci, cj, ck = near(cx, f), near(cy, g), near(cz, h)
+        ri, si, ti = ax - ai, bx - bi, cx - ci
+        ai, bi, ci = ai - x, bi - x, ci - x
+        aj, ak, rj, rk = sheared(ai, aj - y, ak - z, ri, ay - aj, az - ak, p, q, r, one, other)
+        bj, bk, sj, sk = sheared(bi, bj - y, bk - z, si, by - bj, bz - bk, p, q, r, one, other)
+        cj, ck, tj, tk = sheared(ci, cj - y, ck - z, ti, cy - cj, cz - ck, p, q, r, one, other)
+        fine[FAR, n] = raised(fine[FAR, n], abs(aj), abs(bj), abs(cj))
+        fine[FAR + 1, n] = raised(fine[FAR + 1, n], abs(ak), abs(bk), abs(ck))
+        left = (ri, si, ti), (rj, sj, tj), (rk, sk, tk)
+        nx, ny, nz = triangle(fine, n, top, (ai, bi, ci), (aj, bj, cj), (ak, bk, ck), left)
+        nx, ny = fma(-q, nz, fma(-p, ny, nx)), fma(-r, nz, ny)
+        fine[AREA, n] += area(nx, ny, nz)
+
+
+@njit(inline="always")
+def end(fine, start, out, block, axes):
+    """Add up the lanes as a binary tree and store the block, along x, y, z."""
     for row in range(LOW):
         for lane in range(LANES):
             fine[row, lane] -= start[row, lane]
@@ -262,26 +244,45 @@ def end(fine, start, out, block):
             for row in range(FAR, ROWS):
                 fine[row, lane] = max(fine[row, lane], fine[row, lane + half])
         half //= 2
-    for row in range(ROWS):
-        out[block, row] = fine[row, 0]
+    sign = 1.0 if (axes[1] - axes[0]) % 3 == 1 else -1.0  # d changes its own where the order is not a cyclic one
+    for row in (HIGH, LOW):
+        out[block, row] = sign * fine[row, 0]
+        for n in range(3):
+            for several in (1, 4, 7):
+                out[block, row + several + axes[n]] = sign * fine[row + several + n, 0]
+    out[block, SIZE], out[block, REST], out[block, AREA] = fine[SIZE, 0], fine[REST, 0], fine[AREA, 0]
+    for n in range(3):
+        for several in (EDGES, LEAST, MOST):
+            out[block, several + axes[n]] = fine[several + n, 0]
+    out[block, FAR], out[block, FAR + 1] = fine[FAR, 0], fine[FAR + 1, 0]
+
+
+@njit(inline="always")
+def in_order(axes, origin, steps, finer):
+    """Return the axes in the order in which coordinates are taken, and what is known along them."""
+    if axes[0] < 0:
+        return (0, 1, 2), origin, steps, finer
+    return axes, along_axes(axes, origin), along_axes(axes, steps), along_axes(axes, finer)
 
 
 def sum_facets(records, count, x, y, z, dx, dy, dz, unit, first, second, third, k, m, n, ex, ey, ez, scratch, out_at):
     """Sum `count` binary STL records, about (x, y, z) on the grid of steps (dx, dy, dz) and, sheared, (ex, ey, ez)."""
     room = carray(scratch, (9 + ROWS + ROOM, LANES), np.float64)
-    corner, fine, hold = room[:9], room[9 : 9 + ROWS], room[9 + ROWS :]
-    start = hold[START:A]
-    origin, steps, finer = (x, y, z), (dx, dy, dz), (ex, ey, ez)
-    axes, factors = (first, second, third), (k, m, n)
-    prepare(start, ex, ey, ez, unit)
+    corner, fine, start = room[:9], room[9 : 9 + ROWS], room[9 + ROWS :]
+    is_sheared, factors = first >= 0, (k, m, n)
+    axes, origin, steps, finer = in_order((first, second, third), (x, y, z), (dx, dy, dz), (ex, ey, ez))
+    prepare(start, finer, unit)
     blocks = (count + LANES * DEPTH - 1) // (LANES * DEPTH)
     out = carray(out_at, (blocks, ROWS), np.float64)
     for block in range(blocks):
         begin(fine, start)
         for begins in range(block * LANES * DEPTH, min((block + 1) * LANES * DEPTH, count), LANES):
             fetch_facets(records, begins, count, scratch, corner)
-            add(corner, hold, fine, origin, steps, unit, axes, factors, finer)
-        end(fine, start, out, block)
+            if is_sheared:
+                add_sheared(corner, fine, TOP * unit, origin, steps, axes, factors, finer)
+            else:
+                add_plain(corner, fine, TOP * unit, origin, steps)
+        end(fine, start, out, block, axes)
     return 0
 
 
@@ -291,17 +292,19 @@ def sum_faces(
     """Sum `count` faces over shared vertices, in the same way."""
     faces = carray(faces_at, (count, 3), np.int64)
     room = carray(scratch, (9 + ROWS + ROOM, LANES), np.float64)
-    corner, fine, hold = room[:9], room[9 : 9 + ROWS], room[9 + ROWS :]
-    start = hold[START:A]
-    origin, steps, finer = (x, y, z), (dx, dy, dz), (ex, ey, ez)
-    axes, factors = (first, second, third), (k, m, n)
-    prepare(start, ex, ey, ez, unit)
+    corner, fine, start = room[:9], room[9 : 9 + ROWS], room[9 + ROWS :]
+    is_sheared, factors = first >= 0, (k, m, n)
+    axes, origin, steps, finer = in_order((first, second, third), (x, y, z), (dx, dy, dz), (ex, ey, ez))
+    prepare(start, finer, unit)
     blocks = (count + LANES * DEPTH - 1) // (LANES * DEPTH)
     out = carray(out_at, (blocks, ROWS), np.float64)
     for block in range(blocks):
         begin(fine, start)
         for begins in range(block * LANES * DEPTH, min((block + 1) * LANES * DEPTH, count), LANES):
             fetch_faces(vertices, faces, begins, count, scratch, corner)
-            add(corner, hold, fine, origin, steps, unit, axes, factors, finer)
-        end(fine, start, out, block)
+            if is_sheared:
+                add_sheared(corner, fine, TOP * unit, origin, steps, axes, factors, finer)
+            else:
+                add_plain(corner, fine, TOP * unit, origin, steps)
+        end(fine, start, out, block, axes)
     return 0

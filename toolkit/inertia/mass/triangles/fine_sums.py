@@ -1,34 +1,38 @@
 """Sums over many triangles with the digits that float64 loses, in 1.3 to twice the time of float64 alone.
 
-The ten sums are those of `inertia.mass.triangles.sums`. Each coordinate is split into A, a multiple of
-a step of its axis of at most 25 bits about an origin on that grid, and a remainder r of half a step or less. Of the
-multiples, edges, normals, s and the brackets are integers of steps below 2⁵³: float64 has them exactly. What the
-remainders add is some 2⁻²⁴ of that, with a relative error of a few u = 2⁻⁵³. Products of d with s or a bracket are
-added to sums that are kept on a grid of their own, coarse enough for their total to need 50 bits: the fused addition
-rounds each to that grid, nothing else is rounded, and what is left of it goes to the sum of the remainders (the
-pre-rounding of J. Demmel, H. D. Nguyen, *Fast reproducible floating-point summation*, ARITH 21, 2013).
+The ten sums are those of `inertia.mass.triangles.sums`. Each coordinate is split into A, a multiple of a step of its
+axis of at most 25 bits about an origin on that grid, and a remainder r of half a step or less. Of the multiples, edges,
+normals, s and the brackets are integers of steps below 2⁵³: float64 has them exactly. What the remainders add is some
+2⁻²⁴ of that, with a relative error of a few u = 2⁻⁵³. Products of d with s or a bracket are added to sums that are kept
+on a grid of their own, coarse enough for their total to need 50 bits: the fused addition rounds each to that grid,
+nothing else is rounded, and what is left of it goes to the sum of the remainders (the pre-rounding of J. Demmel, H. D.
+Nguyen, *Fast reproducible floating-point summation*, ARITH 21, 2013).
 
-Of a needle or a foil that does not lie along axes, the terms of d cancel. So multiples of its longest coordinate x_i
-are taken from the other two, and of the next one from the last, such that what is left has the extents of its width
-and thickness: that keeps volumes, and moments are brought back in rational arithmetic. The factors have so few bits
-that multiples of the steps stay integers, now of a finer step, on which what is left of them is split again.
+Of a needle or a foil that does not lie along axes, the terms of d cancel. Where bounds are expected to be more than a
+few roundings of the result, multiples of its longest coordinate x_i are taken from the other two, and of the next one
+from the last, such that what is left has the extents of its width and thickness: that keeps volumes, and moments are
+brought back in rational arithmetic. The factors have so few bits that multiples of the steps stay integers, now of a
+finer step, on which what is left of them is split again.
 
-Bounds, per triangle, lengths in steps, with R the farthest A, e the magnitudes of the coordinates of two edges u and v,
-S = 3 R, g the step of the grid of d. The remainder of a normal's coordinate x is below T = e_y + e_z + 2 and off by 6 u
-T. With P = Σ R T over the three axes, that of d is off by ε = u (12.1 P + 4.1 R e + 7 (e + 3) + 14 g): six u in T, six
-fused additions, those of the normal itself, and the residues of the three products on the grid. Its magnitude l is at
-most P + Σ (|n| + T) / 2 + 1.5 g. The remainder of a product with a bracket B ≤ 12 R² is off by ε B + u (2 B l + 84 R
-|d|) and one and a half u steps of its sum's grid: six remainders of half a step or less that are added in pairs (12 R),
-at most six numbers they multiply (12 R), six fused additions (42 R), d and the last addition (18 R). It passes through
-42 additions (32 down a lane, five across the lanes, four and one across the blocks), each off by u of B l + 12 R |d|
-and half such a step. With s for the bracket it is S for B. The sums of e, T and |n| over the triangles are had from
-those of the squares of the edges, by Cauchy's inequality. No step of this holds unless Σ |d| is below 2⁵⁰ g, and so is
-what the three terms of one d can be, 24 times the product of the three R.
+Bounds, lengths in steps, with R the farthest A along an axis, u and v two edges, L² = N Σ (u² + v²) along an axis over
+N triangles, g the step of the grid of d. A normal's remainder is m = u × q + p × w with w = v + q, where p and q are
+what the remainders make of the edges, at most 1 along each axis. The four products of its coordinate x are at most
+|w_y|, |w_z|, |u_z|, |u_y|; six, five, three and two roundings enter, and four, three or two of the product of A with m
+and of what that is added to. By Cauchy's inequality, as Σ (10 |v| + 7 |u|) is below 12 L, the remainders of d are
+together off by u Σ R (12 (L + L') + 19 N) over the three axes, L and L' along the two others. To these come u (14 L +
+11 N) of each axis from the product of the corner's remainder, half a step or less, with m, 2.6 u L L' / N from that
+with n, and 9 u g N from the residues of the three products on the grid. With e the sum of all that, B ≤ 12 R² a
+bracket, l the magnitudes of the remainders of d, which are summed too: the remainder of a product with B is off by e B
++ u (2 B l + 84 R |d|) and one and a half u steps of its sum's grid: six remainders of half a step or less that are
+added in pairs (12 R), at most six numbers they multiply (12 R), six fused additions (42 R), d and the last addition (18
+R). It passes through 42 additions (32 down a lane, five across the lanes, four and one across the blocks), each off by
+u of B l + 12 R |d| and half such a step. With s for the bracket it is S = 3 R for B. No step of this holds unless Σ |d|
+is below 2⁵⁰ g, and so is what the three terms of one d can be, 24 times the product of the three R.
 
 A sheared coordinate is off by m = u (2 ρ + 1), where the remainders that it is made of are at most ρ of its steps.
 Every corner at one place is moved alike: the surface stays closed, and an integral of f over the solid changes by at
 most max |f| Σ m |n| / 2 along each axis, with |n| the magnitudes of that coordinate of the normals, whose sum Cauchy's
-inequality has from the squares of the edges. Of the ten sums, f is 6, 24 x and 120 x x: five Σ m |n| in ε will do.
+inequality has from the squares of the edges. Of the ten sums, f is 6, 24 x and 120 x x: five Σ m |n| in e will do.
 """
 
 from __future__ import annotations
@@ -44,7 +48,7 @@ from inertia.mass.triangles.kernels import BlockKernel
 from inertia.native import Kernel, address
 from inertia.records import dataclass
 
-ADDED, ROWS = 25, 33
+ADDED, ROWS = 26, 34
 """Ten sums on their grids, their remainders, what the bounds need, Σ |n|; with the extents, stored and sheared."""
 
 _ABI = "ddd" + "ddd" + "d" + "iii" + "ddd" + "ddd" + "pp"
@@ -53,11 +57,11 @@ KERNEL = BlockKernel(
     Kernel("inertia.mass.triangles.fine_kernel", "sum_facets", "pi" + _ABI, wide=True),
     Kernel("inertia.mass.triangles.fine_kernel", "sum_faces", "ppi" + _ABI, wide=True),
     columns=ROWS,
-    room=31,
+    room=10,
 )
 
 _SAMPLE = Kernel("inertia.mass.triangles.sample_kernel", "measure_sample", "piip")
-_STATISTICS = 24  # as `sample_kernel.COLUMNS`
+_STATISTICS = 28  # as `sample_kernel.COLUMNS`
 
 REACH = 1.6 * 2.0**24
 """Steps to the farthest corner: 12 of their squares are below 2⁵³."""
@@ -115,8 +119,9 @@ class Grid:
 class FineSums:
     """The ten sums (10,) about the origin of the grid, their remainders, and what the bounds need.
 
-    `edges` (3,) are the sums of the squares of two edges, `size` that of the magnitudes of d; `far` (2,) has the
-    largest magnitudes of the two coordinates that a shear changes.
+    `edges` (3,) are the sums of the squares of two edges, `size` that of the magnitudes of d, `rest` that of the
+    magnitudes of what is added to its remainder; `far` (2,) has the largest magnitudes of the two coordinates that a
+    shear changes.
     """
 
     grid: Grid
@@ -124,12 +129,13 @@ class FineSums:
     low: list[float]
     edges: list[float]
     size: float
+    rest: float
     far: list[float]
 
     @classmethod
     def of(cls, grid: Grid, added: list[float], far: list[float]) -> FineSums:
-        """Name the sums (24,) of the columns."""
-        return cls(grid, added[:10], added[10:20], added[20:23], added[23], far)
+        """Name the sums (25,) of the columns."""
+        return cls(grid, added[:10], added[10:20], added[20:23], added[23], added[24], far)
 
 
 def grid_for(origin: Sequence[float], low: Sequence[float], high: Sequence[float], largest: float) -> Grid | None:
@@ -150,7 +156,7 @@ class Sample:
 
     `plain` is a grid for all of them, where it is sure that no shear is worth it. `products` are the elements xx, yy,
     zz, yz, zx, xy of ∑x xᵀ about the mean, `largest` is the largest sum of the magnitudes of the terms of d about the
-    middle of the extents.
+    middle of the extents. `rough` says whether bounds on a grid without a shear are expected to be so.
     """
 
     corners: Float
@@ -160,6 +166,7 @@ class Sample:
     mean: list[float]
     products: list[float]
     largest: float
+    rough: bool
     plain: Grid | None
 
     @classmethod
@@ -168,8 +175,8 @@ class Sample:
         out = np.empty(_STATISTICS)
         _SAMPLE.function(address(corners), len(corners), count, address(out))
         each = out.tolist()
-        plain = Grid(tuple(each[17:20]), tuple(each[20:23]), each[23]) if each[16] else None
-        return cls(corners, count, each[:3], each[3:6], each[6:9], each[9:15], each[15], plain)
+        plain = Grid(tuple(each[21:24]), tuple(each[24:27]), each[27]) if each[20] else None
+        return cls(corners, count, each[:3], each[3:6], each[6:9], each[9:15], each[15], bool(each[19]), plain)
 
     @property
     def is_finite(self) -> bool:
@@ -187,7 +194,7 @@ class Sample:
         """Return the grid for all triangles, sheared where that is worth it."""
         count = self.count
         plain = grid_for(origin, self.low, self.high, 4.0 * count * self.largest)
-        if plain is None or not self.is_askew:
+        if plain is None or not (self.rough and self.is_askew):
             return plain
         inner = np.ascontiguousarray((self.corners - self.mean).reshape(-1, 3).T)
         shear = _along_the_part(inner)

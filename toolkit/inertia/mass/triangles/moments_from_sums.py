@@ -136,19 +136,17 @@ def fine_values(sums: Sums) -> tuple[Over, list[float]] | None:
     if max(far) > REACH:
         return None
     cube = prod(grid.finer)
-    squares = [k / step**2 for k, step in zip(fine.edges, grid.finer, strict=True)]
-    edges = sum(sqrt(2.0 * count * square) for square in squares)
-    arms = sum(far[i] * sqrt(5.0 * count * (squares[i - 2] + squares[i - 1] + 4.0 * count)) for i in range(3))
-    unit, total = grid.unit / cube, fine.size / cube
+    lengths = [sqrt(count * k) / step for k, step in zip(fine.edges, grid.finer, strict=True)]
+    unit, total, rest = grid.unit / cube, fine.size / cube, 1.001 * fine.rest / cube
     steps = unit * count
     if not max(1.001 * total + 4.0 * steps, 24.1 * prod(far)) <= 2.0**BITS * unit:
         return None
-    normals = sum(sqrt(squares[i - 2] * squares[i - 1]) for i in range(3))
-    rest = 1.001 * (arms + 0.5 * normals + edges + 3.0 * count + 1.5 * steps)
-    off = 12.1 * arms + 4.1 * max(far) * edges + 7.0 * (edges + 3.0 * count) + 14.0 * steps
+    arms = sum(far[i] * (12.0 * (lengths[i - 2] + lengths[i - 1]) + 19.0 * count) for i in range(3))
+    normals = sum(lengths[i - 2] * lengths[i - 1] for i in range(3)) / count
+    off = 1.001 * (arms + 2.6 * normals + 14.0 * sum(lengths) + 33.0 * count + 9.0 * steps)
     if grid.shear is not None:
-        lengths = [sqrt(square) + sqrt(2.0 * count) for square in squares]
-        off += 5.0 * sum(moved[k] * lengths[k - 2] * lengths[k - 1] for k in range(3))
+        edges = [length / sqrt(count) + sqrt(2.0 * count) for length in lengths]
+        off += 5.0 * sum(moved[k] * edges[k - 2] * edges[k - 1] for k in range(3))
     bounds = [cube * ROUNDOFF * (off + 42.0 * rest)]
     for r, step in zip(far, grid.finer, strict=True):
         product = r * (3.0 * off + 132.0 * rest) + 70.0 * total + 23.0 * 2.0**27 * steps
