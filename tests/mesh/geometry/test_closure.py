@@ -17,9 +17,10 @@ from tests.mesh.solids import cube, facets, joined, part, ring, sphere
 
 from inertia import mass_properties, native
 from inertia.errors import GeometryError
-from inertia.mesh.geometry.closure import Closure, closure, compiled_closure, vectorised_closure
+from inertia.mesh.geometry.closure import Closure, closure, compiled_closure, paired_by_keys, vectorised_closure
 from inertia.mesh.geometry.faces import components, merge_equal_vertices
 from inertia.mesh.geometry.leaves import BY_PLACE
+from inertia.mesh.geometry.pairing import Doubtful, paired_edges
 from inertia.mesh.surface import Facets, Surface, Triangles
 from inertia.native import LOAD_ABOVE
 
@@ -301,6 +302,42 @@ def test_one_edge_of_four_is_seen_wherever_its_triangles_are(kind: type[Triangle
         triangles = ordered if kind is Surface else facets(ordered)
         pairing = compiled_closure(triangles)
         assert (pairing.open_edges, pairing.components, pairing.crowded) == (0, 3, 1)
+
+
+@pytest.mark.parametrize("kind", [Surface, Facets])
+@pytest.mark.parametrize("seed", range(5))
+def test_only_components_with_edges_of_more_than_two_are_paired_anew(kind: type[Triangles], seed: int) -> None:
+    """Two cubes share an edge, two a side, one of them inside out; one of the rings has a hole or points off."""
+    rng = np.random.default_rng(seed)
+    vertices, faces = ring(120, 80)
+    rings = [(vertices + np.array([0, 0, 5.0 * k]), faces) for k in range(3)]
+    cubes = [cube(place) for place in ((9, 0, 3), (10, 1, 3), (20, 0, 0), (21, 0, 0))]
+    if seed == 1:
+        cubes[3] = cubes[3][0], cubes[3][1][:, ::-1]
+    everything = joined(*rings[:2], *cubes[:2], rings[2], *cubes[2:])
+    faces = everything.faces
+    if seed >= 2:
+        faces = np.delete(faces, rng.integers(1000, size=seed - 1), axis=0)
+    if seed == 4:
+        faces = np.insert(faces, [50, 20_000], [[1, 1, 2], [7, 8, 7]], axis=0)
+    surface = Surface(everything.vertices, faces)
+    triangles = surface if kind is Surface else facets(surface)
+    salt = rng.integers(0, 2**64, 15, np.uint64)
+    doubtful = paired_edges(triangles, salt)
+    assert isinstance(doubtful, Doubtful)
+    one, other = (paired_by_keys(triangles, salt, known) for known in (doubtful, None))
+    assert one is not None
+    assert other is not None
+    expected = vectorised_closure(triangles)
+    for found in (one[0], other[0], compiled_closure(triangles, salt=salt)):
+        for name in ("open_edges", "components", "repeated", "crowded"):
+            assert getattr(found, name) == getattr(expected, name)
+        assert np.array_equal(found.labels, expected.labels)
+        assert np.array_equal(found.at_crowded, expected.at_crowded)
+    for name in ("vertices", "faces", "numbers"):
+        assert np.array_equal(getattr(one[1], name), getattr(other[1], name))
+    for name in ("ends", "forward", "backward", "users"):
+        assert np.array_equal(getattr(one[1].edges, name), getattr(other[1].edges, name))
 
 
 def bipyramid(sides: int, height: float) -> tuple[np.ndarray, np.ndarray]:

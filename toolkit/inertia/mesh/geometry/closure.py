@@ -3,10 +3,10 @@
 A surface bounds a solid when its boundary chain is zero: every directed edge u→v is matched by an edge v→u.
 Edges are paired group by group of triangles (`inertia.mesh.geometry.pairing`), in any order and on all processors.
 Triangles whose edges were paired belong to one component. Where more than two triangles meet at an edge, the angles
-around it tell which belong together, so that nothing depends on the order of the triangles: then all are paired by the
-keys of their edges, and those at such edges by their coordinates; where these are many, all edges are sorted. Whether
-there is such an edge, the keys of all edges that groups may share tell (12 bytes a triangle, at most), as none may come
-twice. Vertices are equal when their stored coordinates are (−0 equals +0), which must be finite.
+around it tell which belong together, so that nothing depends on the order of the triangles: then the components with
+such edges, or all triangles where these are many, are paired by the keys of their edges, and those at such edges by
+their coordinates; where these are many, all edges are sorted. Whether there is such an edge, the keys of all edges that
+groups may share tell (12 bytes a triangle, at most), as none may come twice. Vertices are equal when their stored coordinates are (−0 equals +0), which must be finite.
 
 The compiled pass knows a vertex by a 60-bit key: the upper halves of two sums of random 64-bit numbers, one of them
 alone and one times each 32-bit word of its coordinates. Whatever two are given, their keys agree with a probability of
@@ -34,10 +34,12 @@ from numpy.typing import NDArray
 from inertia.arrays import Int, Progress
 from inertia.mesh.geometry.corner_keys import FACES, FACETS, corner_keys
 from inertia.mesh.geometry.edge_buckets import (
+    CHUNK,
     MOST,
     REPEATED,
     SALTS,
     Sorter,
+    Steps,
     bits_for,
     irregular_halves,
     steps_for,
@@ -45,7 +47,7 @@ from inertia.mesh.geometry.edge_buckets import (
 from inertia.mesh.geometry.faces import merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.irregular_edges import Irregular, irregular_edges
-from inertia.mesh.geometry.pairing import paired_edges
+from inertia.mesh.geometry.pairing import Doubtful, paired_edges
 from inertia.mesh.geometry.pieces import pieces_of_surface
 from inertia.mesh.surface import Facets, Triangles
 from inertia.native import Kernel
@@ -114,33 +116,80 @@ def compiled_closure(
     """Return what `closure` does, by the compiled kernels; `salt` (15,) is this process's own unless given."""
     salt = process_salt() if salt is None else salt
     paired = paired_edges(triangles, salt, progress)
-    if paired is not None:
+    if isinstance(paired, tuple):
         return Closure(*paired, crowded=0)
-    known = paired_by_keys(triangles, salt)
+    known = paired_by_keys(triangles, salt, paired)
     return vectorised_closure(triangles) if known is None else known[0]
 
 
-def paired_by_keys(triangles: Triangles, salt: NDArray[np.uint64] | None = None) -> tuple[Closure, Irregular] | None:
+def paired_by_keys(
+    triangles: Triangles, salt: NDArray[np.uint64] | None = None, doubtful: Doubtful | None = None
+) -> tuple[Closure, Irregular] | None:
     """Return what `closure` does, and the edges that are not used once each way.
 
-    None stands where these are many, and where there are no compiled kernels. `salt` (15,) is as in `compiled_closure`.
+    None stands where these are many, and where there are no compiled kernels. `salt` (15,) is as in `compiled_closure`;
+    where edges in doubt are known by it, only components that have them are looked at.
     """
     count, salt = triangles.count, process_salt() if salt is None else salt
     if count > MOST or not _keys(triangles).worthwhile(count):
         return None
-    steps, parent = steps_for(count, salt, corner_keys(triangles, salt.copy())), np.arange(count, dtype=np.uint32)
-    records, starts, repeated = Sorter(steps, count, bits_for(count)).run(triangles, 0, count, 0)
-    parent[repeated] = REPEATED
-    buckets = [[records[first:last]] for first, last in pairwise(starts)]
-    join = partial(steps.join, parent)
-    halves, odd, _ = irregular_halves(len(buckets), buckets.__getitem__, steps, join, int(count / SHARE))
-    if odd > len(halves):
+    steps, room = steps_for(count, salt, corner_keys(triangles, salt.copy())), int(count / SHARE)
+    which = None if doubtful is None else _in_doubt(triangles, doubtful, steps)
+    if doubtful is None or which is None:
+        parent = np.arange(count, dtype=np.uint32)
+        halves = _joined(triangles, steps, parent, room)
+    else:
+        some = triangles.select(which)
+        own = np.arange(len(which), dtype=np.uint32)
+        halves = _joined(some, steps_for(len(which), salt, corner_keys(some, salt.copy())), own, room)
+        parent = _firsts(doubtful.labels)
+        parent[which] = np.append(which, REPEATED)[np.minimum(own, len(which))]
+        halves = None if halves is None else 3 * which[halves // 3] + halves % 3
+    if halves is None:
         return None
-    irregular, joined = irregular_edges(triangles, np.sort(halves).astype(np.int64), parent, steps)
+    repeated = int(np.count_nonzero(parent == REPEATED))
+    irregular, joined = irregular_edges(triangles, halves, parent, steps)
     steps.join(parent, joined)
     edges, components, labels = irregular.edges, steps.number(parent), parent.view(np.int32)
     open_edges, crowded = int(np.abs(edges.forward - edges.backward).sum()), int(edges.non_manifold.sum())
-    return Closure(open_edges, components, labels, len(repeated), crowded, edges.at_crowded), irregular
+    return Closure(open_edges, components, labels, repeated, crowded, edges.at_crowded), irregular
+
+
+def _joined(triangles: Triangles, steps: Steps, parent: NDArray[np.uint32], room: int) -> Int | None:
+    """Join triangles at regular edges; return the irregular directed edges, ascending, None where more than `room`."""
+    count = triangles.count
+    records, starts, repeated = Sorter(steps, count, bits_for(count)).run(triangles, 0, count, 0)
+    parent[repeated] = REPEATED
+    buckets = [[records[first:last]] for first, last in pairwise(starts)]
+    halves, odd, _ = irregular_halves(len(buckets), buckets.__getitem__, steps, partial(steps.join, parent), room)
+    return None if odd > len(halves) else np.sort(halves).astype(np.int64)
+
+
+def _in_doubt(triangles: Triangles, doubtful: Doubtful, steps: Steps) -> Int | None:
+    """Return the triangles of the components that have edges in doubt, ascending; None where they are most of all."""
+    edges = doubtful.edges
+    some, bits = np.zeros(1 << 16, bool), bits_for(triangles.count)
+    some[edges >> np.uint64(48)] = True
+    keys, counts = np.empty(3 * CHUNK, np.uint64), np.zeros(1 << bits, np.int64)
+    within = np.zeros(int(doubtful.labels.max(initial=-1)) + 2, bool)  # the last is for those in none
+    for start in range(0, triangles.count, CHUNK):
+        stop = min(start + CHUNK, triangles.count)
+        own = keys[: 3 * (stop - start)]
+        steps.keys(triangles, start, stop, own, counts, bits)
+        near = np.flatnonzero(some[own >> np.uint64(48)])
+        users = near[np.isin(own[near] | np.uint64(1), edges)] // 3
+        within[doubtful.labels[start + users]] = True
+    which = np.flatnonzero(within[doubtful.labels])
+    return which if SHARE * len(which) < triangles.count else None
+
+
+def _firsts(labels: NDArray[np.int32]) -> NDArray[np.uint32]:
+    """Return the first triangle of each one's component (n,), `REPEATED` of one in none."""
+    firsts = np.full(int(labels.max(initial=-1)) + 2, REPEATED, np.uint32)
+    firsts[labels[::-1]] = np.arange(len(labels), dtype=np.uint32)[::-1]
+    firsts[-1] = REPEATED
+    result: NDArray[np.uint32] = firsts[labels]
+    return result
 
 
 def vectorised_closure(triangles: Triangles) -> Closure:

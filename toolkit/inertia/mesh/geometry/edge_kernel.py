@@ -502,11 +502,27 @@ def pair_edges(
     return 0
 
 
-def repeated_edges(logs_at, number, bins, first, last, slots_at, places):
-    """Say whether a key occurs twice in bins `first:last` of the logs (keys, room of a bin, sizes of the bins)."""
+@njit(inline="always")
+def logged_before(logs, bins, place, key, which, at):
+    """Say whether a key is in a bin of the logs before place `at` of the log `which`."""
+    for earlier in range(which + 1):
+        log = carray(pointer(logs[earlier, 0]), (bins, logs[earlier, 1]), np.uint64)
+        size = carray(pointer(logs[earlier, 2]), (bins,), np.int64)[place]
+        for before in range(at if earlier == which else size):
+            if log[place, before] == key:
+                return True
+    return False
+
+
+def repeated_edges(logs_at, number, bins, first, last, slots_at, places, found_at, room):
+    """Write the keys that occur more than once in bins `first:last` of the logs (keys, room of a bin, sizes of bins).
+
+    Returns how many it has written, some of them several times; more than `room` where these are too many.
+    """
     logs = carray(logs_at, (number, 3), np.int64)
     slots = carray(slots_at, (places,), np.uint16)
-    mask = uint64(places - 1)
+    found = carray(found_at, (room,), np.uint64)
+    mask, written = uint64(places - 1), 0
     for place in range(first, last):
         slots[:] = 0
         for which in range(number):
@@ -514,18 +530,19 @@ def repeated_edges(logs_at, number, bins, first, last, slots_at, places):
             log = carray(pointer(logs[which, 0]), (bins, logs[which, 1]), np.uint64)
             for at in range(size):
                 key = log[place, at]
-                slot = home(key, mask)
-                while slots[slot] != 0:
+                slot, again = home(key, mask), False
+                while slots[slot] != 0 and not again:
                     if slots[slot] == np.uint16(key):  # few bits of it (it is odd): nearly always another key
-                        for earlier in range(which + 1):
-                            other = carray(pointer(logs[earlier, 0]), (bins, logs[earlier, 1]), np.uint64)
-                            own = carray(pointer(logs[earlier, 2]), (bins,), np.int64)[place]
-                            for before in range(at if earlier == which else own):
-                                if other[place, before] == key:
-                                    return 1
+                        again = logged_before(logs, bins, place, key, which, at)
                     slot = (slot + ONE) & mask
-                slots[slot] = np.uint16(key)
-    return 0
+                if not again:
+                    slots[slot] = np.uint16(key)
+                elif written < room:
+                    found[written] = key
+                    written += 1
+                else:
+                    return room + 1
+    return written
 
 
 def key_facets(records_at, count, salt_at, rows_at):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,7 +14,7 @@ from inertia.mesh.geometry.faces import merge_equal_vertices
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.pieces import links_turned, sharing
 from inertia.mesh.geometry.senses import senses_of
-from inertia.mesh.surface import Triangles
+from inertia.mesh.surface import Surface, Triangles
 from inertia.records import dataclass
 
 
@@ -103,25 +105,39 @@ def _first_uses(triangles: Triangles, vertices: Float) -> Int:
     first = np.full(len(vertices), 3 * triangles.count)
     if len(vertices) == 0:
         return first
-    hashes = _mixed(vertices)
+    hashes, some = _mixed(vertices), np.zeros(1 << 16, bool)
     order = np.argsort(hashes, kind="stable")
     ranked = hashes[order]
-    some = np.zeros(1 << 16, bool)
-    some[ranked >> np.uint64(48)] = True
+    some[_mixed(vertices[:, :1]) >> np.uint64(48)] = True
+
+    def found(points: NDArray[Any]) -> tuple[Int, Int]:
+        """Return which of some points (..., 3) are at vertices, and at which."""
+        near = np.flatnonzero(some[_mixed(points[..., :1].reshape(-1, 1) + 0.0) >> np.uint64(48)])
+        own = points[np.unravel_index(near, points.shape[:-1])] + 0.0
+        mixed = _mixed(own)
+        rank = np.minimum(np.searchsorted(ranked, mixed), len(ranked) - 1)
+        same = (vertices[order[rank]] == own).all(axis=1)
+        return near[same], order[rank[same]]
+
+    if isinstance(triangles, Surface):
+        number = np.full(len(triangles.vertices), -1)
+        own, at = found(triangles.vertices)
+        number[own] = at
     for start in range(0, triangles.count, CHUNK):
-        corners = triangles.corners(start, start + CHUNK).reshape(-1, 3) + 0.0
-        mixed = _mixed(corners)
-        which = np.flatnonzero(some[mixed >> np.uint64(48)])
-        rank = np.minimum(np.searchsorted(ranked, mixed[which]), len(ranked) - 1)
-        same = (vertices[order[rank]] == corners[which]).all(axis=1)
-        np.minimum.at(first, order[rank[same]], 3 * start + which[same])
+        if isinstance(triangles, Surface):
+            corners = number[triangles.block(start, start + CHUNK).reshape(-1)]
+            which = np.flatnonzero(corners >= 0)
+            vertex = corners[which]
+        else:
+            which, vertex = found(triangles.corners_f4(start, start + CHUNK))
+        np.minimum.at(first, vertex, 3 * start + which)
     return first
 
 
-def _mixed(points: Float) -> NDArray[np.uint64]:
-    """Return a number for each point (k, 3) that is the same for the same coordinates, and seldom for others."""
+def _mixed(points: NDArray[Any]) -> NDArray[np.uint64]:
+    """Return a number for each point (k, m) that is the same for the same coordinates, and seldom for others."""
     mixed = np.zeros(len(points), np.uint64)
-    for bits in points.view(np.uint64).T:
+    for bits in points.astype(np.float64, copy=False).view(np.uint64).T:
         mixed = (mixed ^ bits) * np.uint64(0x9E3779B97F4A7C15)
         mixed ^= mixed >> np.uint64(29)
     return mixed * np.uint64(0xBF58476D1CE4E5B9)

@@ -185,10 +185,11 @@ class _Leaves:
         repeated = sum(desk.repeated for desk in desks)
         if repeated != sum(of for _, of in scattered):  # corners of one triangle have the same 40 bits
             raise Unpaired
-        number = None if any(desk.overfull for desk in desks) else waiting.components(self._parts)
+        doubtful = None if any(desk.overfull for desk in desks) else waiting.doubtful(self._parts)
         open_edges = waiting.open_edges + sum(desk.open for desk in desks)
-        if number is None or (open_edges and self._limits is not None):
+        if doubtful is None or len(doubtful) or (open_edges and self._limits is not None):
             raise Unpaired
+        number = waiting.components()
         components = int(number.max(initial=-1)) + 1
         if components == 1 and not repeated:
             labels = np.zeros(self._count, np.int32)

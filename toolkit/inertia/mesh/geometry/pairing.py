@@ -19,6 +19,7 @@ from inertia.mesh.geometry.leaves import BY_PLACE, paired_by_place
 from inertia.mesh.geometry.waiting_edges import EDGES, REPEATED, Log, WaitingEdges, empty_table
 from inertia.mesh.surface import Triangles
 from inertia.native import Kernel, address, threads
+from inertia.records import dataclass
 
 _MODULE = "inertia.mesh.geometry.edge_kernel"
 ROWS = Kernel(_MODULE, "pair_rows", "pip" + "pippi" + "piipp")
@@ -35,6 +36,21 @@ _SHARED = 1 << 18  # triangles from which on threads repay their start
 
 class _Scattered(Exception):
     """Triangles that follow one another are no neighbours."""
+
+
+@dataclass(frozen=True, eq=False)
+class Doubtful:
+    """A surface of which some edges may have more than two triangles.
+
+    Attributes
+    ----------
+    labels : (n,) int32, the component of each triangle, as of `Closure`, where any two triangles at an edge that run
+        opposite ways hang together: as they do in those without edges in doubt
+    edges : (k,), keys of the edges in doubt, and of those without a partner, the lowest bit 1
+    """
+
+    labels: NDArray[np.int32]
+    edges: NDArray[np.uint64]
 
 
 class _Groups:
@@ -91,8 +107,11 @@ class _Groups:
 
 def paired_edges(
     triangles: Triangles, salt: NDArray[np.uint64], progress: Progress | None = None
-) -> tuple[int, int, NDArray[np.int32], int] | None:
-    """Return open edges, components, labels and repeated triangles; None where an edge may have more than two."""
+) -> tuple[int, int, NDArray[np.int32], int] | Doubtful | None:
+    """Return open edges, components, labels and repeated triangles; where few edges may have more than two, these.
+
+    None where more may.
+    """
     count, progress = triangles.count, _rising(progress)
     parts = threads() if count >= _SHARED else 1
     try:
@@ -120,7 +139,7 @@ def _rising(progress: Progress | None) -> Progress | None:
 
 def _paired_in_order(
     triangles: Triangles, parts: int, salt: NDArray[np.uint64], progress: Progress | None
-) -> tuple[int, int, NDArray[np.int32], int] | None:
+) -> tuple[int, int, NDArray[np.int32], int] | Doubtful | None:
     """Return what `paired_edges` does, by groups of triangles that follow one another; raises `_Scattered`."""
     load(ROWS, CLOSE, EDGES, REPEATED)
     count = triangles.count
@@ -147,9 +166,10 @@ def _paired_in_order(
     waiting, repeated = WaitingEdges(bins), sum(groups.repeated for groups in done)
     firsts = [waiting.join(groups.waiting) for groups in done]
     waiting.logs += [log for groups in done for log in groups.logs]
-    number = waiting.components(parts)
-    if number is None:
+    doubtful = waiting.doubtful(parts)
+    if doubtful is None:
         return None
+    number = waiting.components()
     components = int(number.max(initial=-1)) + 1
     if components > 1:
         for groups, base in zip(done, firsts, strict=True):
@@ -158,4 +178,6 @@ def _paired_in_order(
                 group[:] = np.where(group < 0, -1, own) if groups.repeated else own
     elif repeated or waiting.pieces > sum(len(groups.labels) for groups in done):
         np.minimum(labels, 0, out=labels)
+    if len(doubtful):
+        return Doubtful(labels, doubtful)
     return waiting.open_edges, components, labels, repeated

@@ -12,9 +12,10 @@ from inertia.native import Kernel, address
 
 _MODULE = "inertia.mesh.geometry.edge_kernel"
 EDGES = Kernel(_MODULE, "pair_edges", "ppipi" + "pi" + "piipp")
-REPEATED = Kernel(_MODULE, "repeated_edges", "piiiipi")
+REPEATED = Kernel(_MODULE, "repeated_edges", "piiiipipi")
 
 _TABLE = 1 << 14  # room for edges, to begin with
+_LISTED = 1 << 12  # edges of more than two triangles
 _ONE = np.uint64(1)
 _NEVER = -(1 << 62)  # from which edges are counted that wait, so that the kernel does not take them for open ones
 
@@ -104,18 +105,22 @@ class WaitingEdges:
         self.overfull |= other.overfull
         return first
 
-    def components(self, parts: int) -> NDArray[np.int32] | None:
-        """Return the component of each piece, (pieces,); None where an edge may have more than two triangles.
+    def doubtful(self, parts: int) -> NDArray[np.uint64] | None:
+        """Return keys of edges (k,) where some may have more than two triangles: of these, and of all that wait.
 
-        All pieces have been appended and all edges added; so many threads look.
+        None where they are many. All edges have been added; so many threads look.
         """
-        if waiting := self.open_edges:
-            self.logs.append(Log(waiting, self._bins))
-            self._state[0] = waiting  # those that wait are logged as well
+        waiting = self.left()[0] | _ONE
+        if len(waiting):
+            self.logs.append(Log(len(waiting), self._bins))
+            self._state[0] = len(waiting)  # those that wait are logged as well
             self._pair(np.empty(1, np.uint64), np.empty(1, np.int32), 0)
             self._state[0] += _NEVER
-        if self.overfull or _any_repeated(self.logs, self._bins, parts):
-            return None
+        repeated = None if self.overfull else _repeated(self.logs, self._bins, parts)
+        return repeated if repeated is None or len(repeated) == 0 else np.union1d(repeated, waiting)
+
+    def components(self) -> NDArray[np.int32]:
+        """Return the component of each piece, (pieces,); all pieces have been appended and all edges added."""
         parent = self.parent
         while not np.array_equal(above := parent[parent], parent):
             parent = above
@@ -144,14 +149,17 @@ def empty_table(slots: int) -> NDArray[np.uint64]:
     return table
 
 
-def _any_repeated(logs: list[Log], bins: int, parts: int) -> bool:
-    """Say whether a key is in the logs twice."""
+def _repeated(logs: list[Log], bins: int, parts: int) -> NDArray[np.uint64] | None:
+    """Return the keys that are in the logs more than once, some of them several times; None where they are many."""
     table = np.array([(address(log.keys), log.room, address(log.sizes)) for log in logs])
     places = 1 << (4 * int(np.sum([log.sizes for log in logs], axis=0).max())).bit_length()
     cuts = np.linspace(0, bins, parts + 1).astype(np.int64).tolist()
 
-    def repeated(which: int, _: threading.Event) -> bool:
-        slots = np.empty(places, np.uint16)
-        return REPEATED.function(address(table), len(logs), bins, *cuts[which : which + 2], address(slots), places) == 1
+    def repeated(which: int, _: threading.Event) -> NDArray[np.uint64] | None:
+        slots, found = np.empty(places, np.uint16), np.empty(_LISTED, np.uint64)
+        of_bins = address(table), len(logs), bins, *cuts[which : which + 2]
+        size = REPEATED.function(*of_bins, address(slots), places, address(found), _LISTED)
+        return found[:size] if size <= _LISTED else None
 
-    return any(in_threads(parts, repeated))
+    found = in_threads(parts, repeated)
+    return None if any(each is None for each in found) else np.concatenate(found)
