@@ -65,6 +65,7 @@ def add(parsers: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run ``inertia audit``."""
     from inertia.auditing.audit import audit
+    from inertia.exchange.robots.read import lost_by
     from inertia.output import require_writable, together, write_whole
     from inertia.report.audit.document import audit_document
     from inertia.report.audit.text import audit_text
@@ -91,6 +92,8 @@ def run(options: argparse.Namespace) -> int:
                 write_whole(Path(options.fix), result.fixed())
 
     write_and_show(write, options.json, lambda: audit_document(result), lambda: audit_text(result))
-    for left in result.unmended if options.fix is not None else ():
-        print(f"inertia: {options.fix}: {left}", file=sys.stderr)
+    if options.fix is not None:
+        for sentence in (*result.unmended, lost_by(result.robot, Path(options.fix))):
+            if sentence:
+                print(f"inertia: {options.fix}: {sentence}", file=sys.stderr)
     return _CODES[result.verdict]

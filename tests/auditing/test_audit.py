@@ -11,6 +11,7 @@ import inertia
 from inertia.arrays import Float
 from inertia.auditing.audit import Audit
 from inertia_cli.main import main
+from inertia_meshes import path
 
 Writer = Callable[..., Path]
 
@@ -352,7 +353,7 @@ def test_arguments_are_checked(tmp_path: Path, audited: Callable[..., Audit]) ->
     stl(tmp_path / "upper.stl", skewed().corners)
     stated = inertial(1.0, np.zeros(3), np.eye(3))
     boxed = link("a", stated, mesh("upper.stl"), '<box size="1 1 1"/>')
-    with pytest.raises(inertia.UsageError, match="no density is given for box 2: name it"):
+    with pytest.raises(inertia.UsageError, match="no density is given for box 2: give one by that name"):
         audited(boxed, densities={"upper.stl": 1.0})
     for others in ({}, {"": 1.0}, {"upper.stl": 1.0, "": 2.0}):
         says = r"^no mesh or shape of robot\.urdf is called 'uper': there are upper\.stl, box 2$"
@@ -524,3 +525,136 @@ def test_a_list_of_parts_in_step_is_audited_on_their_true_shapes(tmp_path: Path)
     (link,) = inertia.audit(tmp_path / "list.toml").links
     assert link.state == "consistent"
     assert link.difference.inertia < 1e-12
+
+
+@pytest.mark.parametrize("written", [".4g", ".3e", ".6g", ".8f", ".17g"])
+@pytest.mark.parametrize("product", ["0", "1e-20", "0.000000", "-1.2345678901234567e-19"])
+def test_right_numbers_of_thin_plates_are_physical_however_they_are_rounded(
+    audited: Callable[..., Audit], written: str, product: str
+) -> None:
+    """By m/12 (b² + c²) and so on, where the rounding of each moment is its own."""
+    rng = np.random.default_rng(3)
+    links = []
+    for k in range(10):
+        x, y, z = rng.uniform(0.05, 0.5), rng.uniform(0.05, 0.5), 0.001
+        mass = 2700 * x * y * z
+        moments = [mass / 12 * (y * y + z * z), mass / 12 * (x * x + z * z), mass / 12 * (x * x + y * y)]
+        xx, yy, zz = (f"{each:{written}}" for each in moments)
+        stated = f'<inertial><origin xyz="0 0 0"/><mass value="{mass:{written}}"/><inertia ixx="{xx}" iyy="{yy}" '
+        stated += f'izz="{zz}" ixy="{product}" ixz="0" iyz="0"/></inertial>'
+        links.append(link(f"plate{k}", stated, f'<box size="{x} {y} {z}"/>'))
+    assert {each.state for each in audited(*links).links} == {"consistent"}
+
+
+@pytest.mark.parametrize("place", ["0 0 0", "0.0 -0.0 0.0", "0.000 0.000 0.000"])
+def test_what_a_hull_allows_is_no_matter_of_how_zero_is_typed(audited: Callable[..., Audit], place: str) -> None:
+    """A cube of 0.1 m holds its mass within 0.05 m of its centre, root mean square along an axis."""
+    stated = inertial(1.0, np.zeros(3), np.diag([0.51, 0.52, 0.53])).replace("0.0 0.0 0.0", place)
+    assert place in stated
+    (cube,) = audited(link("a", stated, '<box size="0.1 0.1 0.1"/>')).links
+    assert cube.findings[0].code == "outside_hull"
+    assert "allows 50 mm at most" in cube.findings[0].sentence
+
+
+def test_a_centre_typed_as_zero_lies_outside_a_hull_that_is_far_away(audited: Callable[..., Audit]) -> None:
+    far = '<box size="0.1 0.1 0.1"/></geometry><origin xyz="0.4 0 0"/><geometry>'
+    stated = '<inertial><origin xyz="{}"/><mass value="1"/><inertia ixx="1" iyy="1.1" izz="1.2" {}/></inertial>'
+    products = 'ixy="0.01" ixz="0.02" iyz="0.03"'
+    typed, coarse = audited(
+        link("a", stated.format("0 0 0", products), far), link("b", stated.format("0.3 0 0", products), far)
+    ).links
+    assert typed.findings[0].sentence == "the centre of mass lies 350 mm outside the convex hull of the meshes"
+    assert coarse.findings[0].sentence.endswith("(as written; rounding to so few digits explains it)")
+
+
+def test_what_no_mistake_explains_is_mended_only_where_no_body_has_it(audited: Callable[..., Audit]) -> None:
+    """A cover of 0.1 m with a motor of 5 kg that hangs 0.3 m beside it and has no mesh; and a tensor of nothing."""
+    motor = inertial(5.0, np.array([0.3, 0.0, 0.0]), np.diag([0.010, 0.013, 0.016]) + 0.001 * (1 - np.eye(3)))
+    broken = inertial(5.0, np.zeros(3), np.diag([0.004, 0.006, 0.0125]) + 0.0005 * (1 - np.eye(3)))
+    cover = '<box size="0.1 0.1 0.1"/>'
+    audit = audited(link("motor", motor, cover), link("broken", broken, cover))
+    assert [[finding.code for finding in each.findings[:2]] for each in audit.links] == [
+        ["outside_hull", "unexplained"],
+        ["unphysical", "unexplained"],
+    ]
+    assert [each.mended is None for each in audit.links] == [True, False]
+    assert motor.encode() in audit.fixed()
+    assert broken.encode() not in audit.fixed()
+    (why,) = audit.unmended
+    assert why.startswith("motor stays as it is: it differs from solids of one density")
+
+
+@pytest.mark.parametrize(
+    ("scale", "unit"),
+    [
+        ("1 1 1", "m"),
+        ("0.001 0.001 0.001", "mm"),
+        ("0.001 -0.001 0.001", "mm"),
+        ("0.03 0.03 0.03", "(0.03 m)"),
+        ("0.001 0.001 0.002", "(unit of its file)"),
+    ],
+)
+def test_findings_of_a_mesh_are_in_the_unit_that_its_scale_makes_of_its_file(
+    tmp_path: Path, audited: Callable[..., Audit], scale: str, unit: str
+) -> None:
+    corners = skewed().corners[:, ::-1]
+    stl(tmp_path / "inside.stl", corners)
+    first, *others = np.unique(corners.reshape(-1, 3), axis=0)
+    volume = abs(np.linalg.det(np.array(others) - first)) / 6
+    part = f'<mesh filename="inside.stl" scale="{scale}"/>'
+    (only,) = audited(link("a", inertial(1.0, np.zeros(3), np.eye(3)), part)).links
+    (sentence,) = (each.sentence for each in only.findings if each.code == "mesh_mended")
+    assert f"the volume is {-volume:.4g} {unit}³ around" in sentence
+
+
+def test_meshes_of_one_name_are_told_apart_by_their_folders(
+    tmp_path: Path, props: inertia.MassProperties, audited: Callable[..., Audit]
+) -> None:
+    parts = [inertia.read(tmp_path / shape.name, "m") for shape in pair()]
+    mixed = inertia.mass_properties(parts[0], 1040.0) + inertia.mass_properties(parts[1], 7850.0)
+    for shape in pair():
+        folder = tmp_path / shape.name.removesuffix(".stl")
+        folder.mkdir()
+        (tmp_path / shape.name).rename(folder / "mesh.stl")
+    stated = inertial(mixed.mass, mixed.center_of_mass, mixed.inertia)
+    robot = link("arm", stated, mesh("upper/mesh.stl"), mesh("lower/mesh.stl"))
+    found = audited(robot).links[0].findings[0].sentence
+    assert found.startswith("densities of upper/mesh.stl 1040, lower/mesh.stl 7850 kg/m³ reproduce it")
+    for densities in ({"upper/mesh.stl": 1040.0, "mesh.stl": 7850.0}, {"upper/mesh.stl": 1040.0, "": 7850.0}):
+        (arm,) = audited(robot, densities=densities).links
+        assert (arm.state, arm.densities) == ("consistent", (1040.0, 7850.0))
+    with pytest.raises(inertia.UsageError, match=r"is called 'per/mesh\.stl'"):
+        audited(robot, densities={"per/mesh.stl": 1.0})
+
+
+def test_shapes_of_links_that_are_lumped_are_called_after_them(audited: Callable[..., Audit]) -> None:
+    nothing = inertial(1.0, np.zeros(3), np.eye(3))
+    joint = '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>'
+    links = [link(name, nothing, '<box size="1 1 1"/>') for name in "abc"]
+    lumped, alone = audited(*links, joints=joint, lump=True).links
+    assert [shape.name for shape in lumped.shapes] == ["a/box 1", "b/box 1"]
+    assert [shape.name for shape in alone.shapes] == ["box 1"]
+
+
+def test_a_density_with_an_uncertainty_is_refused(audited: Callable[..., Audit]) -> None:
+    box = link("a", inertial(1.0, np.zeros(3), np.eye(3)), '<box size="1 1 1"/>')
+    for density in (inertia.Estimate.parse("960±50"), {"box 1": inertia.Estimate.parse("960±50")}):
+        with pytest.raises(inertia.UsageError, match="of 960 kg/m³ has an uncertainty"):
+            audited(box, densities=density)
+
+
+def test_what_mujoco_counts_of_a_mesh_by_its_legacy_rule_is_named(tmp_path: Path) -> None:
+    """The figures are those that MuJoCo compiles of a torus, as a model that it saves states them."""
+    mujoco = pytest.importorskip("mujoco")
+    asset = f'<mujoco><asset><mesh name="m" file="{path("torus.stl")}" scale="0.001 0.001 0.001"/></asset><worldbody>'
+    geom = '<geom type="mesh" mesh="m"/></body></worldbody></mujoco>'
+    model = mujoco.MjModel.from_xml_string(f'{asset}<body name="a">{geom}')
+    mass, *figures = (values[1] for values in (model.body_mass, model.body_ipos, model.body_iquat, model.body_inertia))
+    place, turn, moments = (" ".join(map(repr, each.tolist())) for each in figures)
+    stated = f'<inertial mass="{float(mass)!r}" pos="{place}" quat="{turn}" diaginertia="{moments}"/>'
+    file = tmp_path / "saved.xml"
+    file.write_text(f'{asset}<body name="a">{stated}{geom}')
+    (body,) = inertia.audit(file).links
+    assert body.state == "inconsistent"
+    assert body.findings[0].sentence == "it is what MuJoCo's legacy rule counts of the meshes"
+    assert body.findings[0].remedy == 'write inertia="exact" in their <mesh>'

@@ -12,6 +12,7 @@ from inertia.auditing.densities import invert
 from inertia.auditing.judge import Subject, Weighed, judge
 from inertia.auditing.physical import outside
 from inertia.auditing.search import explain
+from inertia.exchange.robots.links import Figures
 from inertia.mass.properties import ErrorBound, MassProperties
 
 TURNED = np.array([[1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
@@ -221,7 +222,7 @@ def test_a_thin_plate_written_to_three_figures_may_have_its_mass_within_it() -> 
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
     inertia = np.diag([0.0834, 0.0834, 0.167])  # 1 kg: second moments along z of −0.0001 m² to 0.0001 m²
     inertia[2, 2] = 0.1665
-    stated = Statement(Body(1.0, np.zeros(3), inertia), np.eye(3), (1, 1, 4))
+    stated = Statement(Body(1.0, np.zeros(3), inertia), np.eye(3), (Figures(1, 1), Figures(4, 4)))
     hull = np.concatenate([tetrahedron(corners[[0, 3, 5, 6]]), tetrahedron(corners[[1, 2, 4, 7]])])
     assert not list(outside(stated, hull))
     assert list(outside(Statement(stated.body, np.eye(3)), hull))

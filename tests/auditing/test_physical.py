@@ -10,11 +10,12 @@ from tests.auditing.shapes import context, skewed
 from inertia.auditing.bodies import Body, Shape, cuboid
 from inertia.auditing.claim import Statement
 from inertia.auditing.physical import faults, margin, outside
+from inertia.exchange.robots.links import Figures
 
 
 def statement(inertia: object, decimals: int | None = None) -> Statement:
     body = Body(1.0, np.zeros(3), np.array(inertia, float))
-    return Statement(body, np.eye(3), (None, None, decimals))
+    return Statement(body, np.eye(3), (None, None if decimals is None else Figures(decimals, 9)))
 
 
 @pytest.mark.parametrize("eps", [1e-12, 1e-9, 1e-3])

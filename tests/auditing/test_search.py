@@ -9,6 +9,7 @@ from inertia.arrays import Float
 from inertia.auditing.bodies import Body, together
 from inertia.auditing.claim import Context, Statement
 from inertia.auditing.search import explain
+from inertia.exchange.robots.links import Figures
 from inertia.mass.tensor import point_inertia
 
 PRODUCTS = np.array([[1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
@@ -57,6 +58,7 @@ def turned(turn: Float) -> Body:
 
 SINGLE = {
     "product_signs": lambda: with_tensor(truth().inertia * PRODUCTS),
+    "products_left_out": lambda: with_tensor(np.diag(np.diag(truth().inertia))),
     "principal_moments_as_diagonal": lambda: with_tensor(np.diag(eigvalsh(truth().inertia)[::-1])),
     "missing_steiner": lambda: with_tensor(sum(STEEL * shape.solid.inertia for shape in pair())),
     "about_origin": lambda: with_tensor(truth().inertia + point_inertia(truth().mass, truth().center)),
@@ -124,7 +126,8 @@ def test_rounding_to_few_decimals_is_named() -> None:
     shape = skewed()
     body = context([shape]).truth.body
     decimals = 1 - int(np.floor(np.log10(np.abs(body.inertia).max())))  # one digit of the largest, and no more
-    stated = Statement(body._replace(inertia=body.inertia.round(decimals - 1)), np.eye(3), (3, None, decimals - 1))
+    rounded = body._replace(inertia=body.inertia.round(decimals - 1))
+    stated = Statement(rounded, np.eye(3), (None, Figures(decimals - 1, 1)))
     named = explain(Context(stated, [shape])).named
     assert named is not None
     assert named.codes == {"rounded"}

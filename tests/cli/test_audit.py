@@ -62,3 +62,29 @@ def test_a_density_that_is_none_is_refused(density: str, capsys: pytest.CaptureF
     captured = capsys.readouterr()
     assert "it must be positive and finite" in captured.err
     assert captured.out == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "says"),
+    [
+        (
+            "r.urdf",
+            '<robot name="r"><link name="a">{}<visual><geometry><mesh filename="m.stl"/></geometry></visual></link>'
+            "</robot>",
+            "1 mesh file was not found from there: write it beside",
+        ),
+        ("r.xml", '<mujoco><worldbody><include file="more.xml"/></worldbody></mujoco>', "more.xml' is not there"),
+    ],
+)
+def test_a_mended_file_in_another_folder_says_what_it_lacks(
+    tmp_path: Path, name: str, text: str, says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "m.stl").write_bytes(path("cone.stl").read_bytes())
+    (tmp_path / "more.xml").write_text('<mujoco><body name="a"><joint/><geom size="1"/></body></mujoco>')
+    inertial = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    (tmp_path / name).write_text(text.format(inertial))
+    (tmp_path / "other").mkdir()
+    main(["audit", str(tmp_path / name), "--fix", str(tmp_path / f"beside_{name}")])
+    assert capsys.readouterr().err == ""
+    main(["audit", str(tmp_path / name), "--fix", str(tmp_path / "other" / name)])
+    assert says in capsys.readouterr().err

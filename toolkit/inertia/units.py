@@ -103,5 +103,21 @@ def multiple_of(number: str, unit: Unit) -> Unit:
         metres = Fraction(text) * unit.metres
     except ValueError:
         raise UsageError(f"a unit of {text[:_NUMBER_LENGTH]!r} {unit.name} is no length", code="unknown_unit") from None
-    known = (each for each in _UNITS.values() if each.metres == metres)
-    return next(known, Unit(f"{text} {unit.name}", metres))
+    return unit_of(metres) or Unit(f"{text} {unit.name}", metres)
+
+
+def scaled(unit: Unit, factor: Fraction) -> Unit:
+    """Return the unit that is a factor times another, under its own name where it has one.
+
+    Otherwise its name stands in brackets, so that it may have an exponent.
+
+    >>> scaled(METRE, Fraction(1, 1000)).name, scaled(METRE, Fraction(3, 10)).name
+    ('mm', '(0.3 m)')
+    """
+    metres = factor * unit.metres
+    return unit_of(metres) or Unit(f"({float(factor):g} {unit.name})", metres)
+
+
+def unit_of(metres: Fraction) -> Unit | None:
+    """Return the unit of so many metres that has a name of its own; None where there is none."""
+    return next((each for each in _UNITS.values() if each.metres == metres), None)

@@ -84,6 +84,7 @@ def test_a_centre_that_agrees_stays_as_it_is_written(tmp_path: Path, right: iner
         ('value="2.50"', 'value="2.50kg"'),
         ('rpy="0 0 1.5707963267948966"', 'rpy="0, 0, 0"'),
         ('ixx="0.010"', 'ixx="1f"'),
+        ('rpy="0 0 1.5707963267948966"', 'quat_xyzw="0 0 1 1"'),
     ],
 )
 def test_slips_are_mended_too(tmp_path: Path, right: inertia.MassProperties, old: str, new: str) -> None:
@@ -130,3 +131,13 @@ def test_line_ends_marks_and_encodings_stay(
     assert all(kind in ("equal", "insert") or before[i:j] == b"1" for kind, i, j, _, _ in opcodes)
     file.write_bytes(after)
     assert stated(file, "arm").mass == right.mass
+
+
+@pytest.mark.parametrize("encoding", ["gb2312", "shift_jis", "foo"])
+def test_encodings_that_no_byte_can_be_found_in_are_refused(
+    tmp_path: Path, right: inertia.MassProperties, encoding: str
+) -> None:
+    file = tmp_path / "arm.urdf"
+    file.write_text(ROBOT.replace('version="1.0"', f'version="1.0" encoding="{encoding}"'))
+    with pytest.raises(inertia.ReadError, match="encoding is not one of ASCII, UTF-8 and Latin-1: mend it by hand"):
+        mend(read_robot(file), {"upper": Mended(right, "x")})

@@ -9,7 +9,7 @@ from tests.exchange import solid
 
 import inertia
 from inertia.errors import ReadError
-from inertia.exchange.robots.links import Geometry, Primitive, Robot
+from inertia.exchange.robots.links import Figures, Geometry, Primitive, Robot
 from inertia.exchange.robots.read import read_robot
 from inertia.exchange.robots.tree import robot_tree, unweighed
 from inertia.exchange.rotations import rotation_of_quaternion
@@ -144,12 +144,12 @@ def test_a_body_without_a_joint_hangs_from_its_parent(file: Path) -> None:
     assert np.allclose(hand.placement.rotation, rotation_of_quaternion(model.body_quat[body].tolist()), atol=1e-15)
 
 
-def test_decimals_are_those_written(file: Path) -> None:
+def test_figures_are_those_written(file: Path) -> None:
     base, hand, _ = read_robot(file).links
     assert base.inertial is not None
-    assert base.inertial.decimals == (2, 2, 3)
+    assert base.inertial.figures == (Figures(2, 1), Figures(3, 2))
     assert hand.inertial is not None
-    assert hand.inertial.decimals == (1, 1, 3)
+    assert hand.inertial.figures == (Figures(1, 1), Figures(3, 2))
 
 
 @pytest.mark.parametrize("orientation", ORIENTATIONS)
@@ -411,6 +411,7 @@ def test_what_is_decided_is_said(tmp_path: Path, text: str, says: str | None) ->
         (body('<geom type="box" size="1" fromto="0 0 0 1 1 1" pos="0 0 1"/>'), "both pos and fromto"),
         (body('<geom type="box" size="1" fromto="0 0 0 0 0 0"/>'), "an axis of no length"),
         (body('<geom type="box" mesh="m"/>'), "a box fitted to a mesh"),
+        (body('<geom type="ellipsoid" mesh="m"/>'), "an ellipsoid fitted to a mesh"),
         (
             body(
                 '<geom type="mesh" mesh="m"/>',

@@ -10,7 +10,7 @@ from tests.exchange import solid
 from tests.mesh import solids
 
 import inertia
-from inertia.exchange.robots.links import Link, Placement, Primitive
+from inertia.exchange.robots.links import Figures, Link, Placement, Primitive
 from inertia.exchange.robots.read import read_robot
 from inertia.exchange.robots.tree import robot_tree
 
@@ -108,7 +108,7 @@ def test_what_is_stated(file: Path) -> None:
     assert inertial.mass == 2.5
     assert same(inertial.placement, pose(0.1, -0.02, 0.3, 0.4, -0.5, 0.6))
     assert inertial.inertia.tolist() == [[0.01, 0.001, -0.002], [0.001, 0.02, 0.003], [-0.002, 0.003, 0.025]]
-    assert inertial.decimals == (1, 2, 3)
+    assert inertial.figures == (Figures(2, 1), Figures(3, 2))
     assert link(file, "hand::palm").inertial is None
 
 
@@ -579,10 +579,12 @@ def test_what_is_there_twice_or_without_a_name_is_said(tmp_path: Path) -> None:
 @pytest.mark.parametrize("exponent", ["+" + "0" * 5000, "-" + "0" * 5000 + "1", "0" * 5000])
 def test_exponents_of_many_digits_are_read(tmp_path: Path, exponent: str) -> None:
     file = tmp_path / "a.sdf"
-    file.write_text(text(f'<link name="a"><inertial><mass>1.5e{exponent}</mass></inertial></link>'))
+    stated = f"<inertial><mass>1</mass><inertia><ixx>1.5e{exponent}</ixx></inertia></inertial>"
+    file.write_text(text(f'<link name="a">{stated}</link>'))
     inertial = read_robot(file).links[0].inertial
     assert inertial is not None
-    assert (inertial.mass, inertial.decimals[0]) == ((0.15, 2) if "1" in exponent else (1.5, 1))
+    assert inertial.figures[1] == (Figures(2, 2) if "1" in exponent else Figures(1, 2))
+    assert inertial.inertia[0, 0] == (0.15 if "1" in exponent else 1.5)
 
 
 @pytest.mark.parametrize("mass", ["1_000", "\u0661"])
@@ -591,3 +593,19 @@ def test_numbers_that_only_python_reads_are_refused(tmp_path: Path, mass: str) -
     file.write_text(text(f'<link name="a"><inertial><mass>{mass}</mass></inertial></link>'))
     with pytest.raises(inertia.ReadError, match="it must be numbers"):
         read_robot(file)
+
+
+def test_a_file_without_a_link_says_what_was_not_read(tmp_path: Path) -> None:
+    file = tmp_path / "a.sdf"
+    file.write_text('<sdf version="1.9"><world name="w"><include><uri>model://nix</uri></include></world></sdf>')
+    with pytest.raises(inertia.ReadError, match="it holds no link: the included model 'model://nix' is not read"):
+        read_robot(file)
+
+
+def test_a_model_that_is_not_there_is_not_the_one_that_includes_it(world: Path) -> None:
+    arm = world.parent / "arm"
+    (arm / "model.config").write_text("<model><name>arm</name><sdf>model.sdf</sdf></model>")
+    (arm / "model.sdf").write_text(text('<link name="upper"/><include><uri>model://nix</uri></include>'))
+    robot = read_robot(arm / "model.sdf")
+    assert [link.name for link in robot.links] == ["upper"]
+    assert "'model://nix' is not read: it is not there" in robot.notes[0]

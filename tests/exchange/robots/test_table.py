@@ -9,6 +9,7 @@ from tests.exchange import solid
 
 import inertia
 from inertia.errors import UsageError
+from inertia.exchange.robots.links import Figures
 from inertia.exchange.robots.read import read_robot
 
 CSV = """name, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, mesh, unit, products, remark
@@ -43,7 +44,7 @@ def test_both_say_the_same(tmp_path: Path, name: str, content: str) -> None:
     assert arm.inertial.mass == 1.25
     assert arm.inertial.placement.origin.tolist() == [0.1, -0.02, 0.3]
     assert arm.inertial.inertia.tolist() == [[0.01, 0.001, -0.002], [0.001, 0.02, 0.003], [-0.002, 0.003, 0.025]]
-    assert arm.inertial.decimals == (2, 2, 3)
+    assert arm.inertial.figures == (Figures(2, 1), Figures(3, 2))
     assert hand.inertial.placement.origin.tolist() == [0, 0, 0]
     assert hand.inertial.inertia.tolist() == [[1, -0.1, -0.2], [-0.1, 2, -0.3], [-0.2, -0.3, 2.5]]
     (mesh,) = arm.geometries
@@ -82,6 +83,11 @@ def test_what_is_written_is_read_to_the_bit(tmp_path: Path) -> None:
         ("a.toml", TOML.replace("mass = 1.25", ""), "part[0].mass is missing"),
         ("a.toml", TOML.replace("mass = 1.25", "mas = 1.25"), "part[0].mas is unknown: did you mean mass?"),
         ("a.toml", "part = [1]", "part[0] is 1: it must be a table"),
+        (
+            "a.toml",
+            "part = [{name='a', mass=1, inertia=[[1, 0.02, 0], [-0.02, 1, 0], [0, 0, 1]]}]",
+            "part[0].inertia is not usable: inertia is not symmetric: 0.02 at [0][1] and -0.02 at [1][0]",
+        ),
         ("a.toml", "part = [{name='a', mass=1, inertia=[1, 2]}]", "part[0].inertia has 2 entries"),
     ],
 )

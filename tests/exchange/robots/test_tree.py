@@ -194,7 +194,9 @@ def test_the_whole_of_usd_is_that_of_frames_multiplied_out(tmp_path: Path) -> No
     file.write_text(STAGE, encoding="utf-8")
     robot = read_robot(file)
     table, notes = robot_tree(robot, {"hinge": 0.4, "rail": 0.1})
-    assert notes == ("joint 'rail' is not at 0 in the stage: its link stands where 0 puts it",)
+    assert notes == (
+        "joint 'rail' is not at 0 in the stage: its link stands where its position puts it, at 0 without one",
+    )
     assert [(part["name"], part.get("parent")) for part in table["part"]] == [
         ("base", None), ("arm", "base"), ("slider", None), ("free", None),
     ]  # fmt: skip
@@ -524,3 +526,14 @@ def test_a_lamina_of_single_precision_counts(tmp_path: Path) -> None:
     file.write_text(ROBOTS["r.usda"].replace("(0.02, 0.03, 0.04)", "(0.1, 0.2, 0.3)"))
     assert Assembly.load(file).mass_properties().inertia.diagonal() == pytest.approx([0.1, 0.2, 0.3], rel=1e-7)
     assert inertia.audit(file).links[0].state != "unphysical"
+
+
+@pytest.mark.parametrize(("scale", "unit"), [("0.001 0.001 0.001", "mm"), ("1 1 1", "m")])
+def test_a_mesh_that_cannot_be_weighed_says_so_in_the_unit_of_its_scale(tmp_path: Path, scale: str, unit: str) -> None:
+    """A tetrahedron of 1/6 inside out."""
+    (tmp_path / "in.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 1 3 4\n")
+    file = tmp_path / "r.xml"
+    mesh = f'<asset><mesh name="m" file="in.obj" scale="{scale}" inertia="exact"/></asset>'
+    file.write_text(f'<mujoco>{mesh}<worldbody><body><geom type="mesh" mesh="m"/></body></worldbody></mujoco>')
+    with pytest.raises(inertia.GeometryError, match=f"the volume is -0.1667 {unit}³ around"):
+        Assembly.load(file).mass_properties()

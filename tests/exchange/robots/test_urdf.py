@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from inertia.errors import ReadError
-from inertia.exchange.robots.links import Primitive
+from inertia.exchange.robots.links import Figures, Primitive
 from inertia.exchange.robots.read import read_robot
 
 ROBOT = """<?xml version="1.0"?>
@@ -51,7 +51,7 @@ def test_links(robot: Path) -> None:
     assert inertial.placement.origin.tolist() == [0.1, -0.02, 0.3]
     assert np.allclose(inertial.placement.rotation, [[0, -1, 0], [1, 0, 0], [0, 0, 1]], atol=1e-15)
     assert inertial.inertia.tolist() == [[0.01, 0.001, -0.002], [0.001, 0.02, 0.003], [-0.002, 0.003, 0.025]]
-    assert inertial.decimals == (2, 2, 3)
+    assert inertial.figures == (Figures(2, 1), Figures(3, 2))
     assert upper.parent == "base"
     assert upper.placement.origin.tolist() == [0, 0, 0.5]
 
@@ -249,3 +249,99 @@ def test_links_without_names_and_meshes_without_files_say_so(robot: Path) -> Non
         read_robot(robot)
     robot.write_text(ROBOT.replace("package://arm/meshes/upper.stl", ""))
     assert "the mesh has no file name: name it by" in str(read_robot(robot).links[1].geometries[0].shape)
+
+
+@pytest.fixture
+def gripper(tmp_path: Path) -> Path:
+    """A mesh of another package, in a folder that is not above the robot's, with the name of one of the robot's own."""
+    mesh = tmp_path / "elsewhere" / "share" / "gripper" / "meshes" / "upper.stl"
+    mesh.parent.mkdir(parents=True)
+    mesh.write_bytes(b"")
+    return mesh
+
+
+def shape_of(robot: Path, package: str) -> object:
+    robot.write_text(ROBOT.replace("package://arm/", f"package://{package}/"))
+    return read_robot(robot).links[1].geometries[0].shape
+
+
+def test_a_mesh_of_another_package_is_not_the_robot_s_own(robot: Path, gripper: Path) -> None:
+    assert gripper.name == "upper.stl"
+    (robot.parent.parent / "package.xml").write_text("<package><name>arm</name></package>")
+    assert "there is no package 'gripper' above the file" in str(shape_of(robot, "gripper"))
+    assert "there is no package ''" in str(shape_of(robot, ""))
+    assert read_robot(robot).links[1].geometries[0].name == "upper.stl"
+
+
+def test_a_package_that_nothing_is_called_is_taken_for_the_robot_s_own_with_a_note(robot: Path) -> None:
+    assert shape_of(robot, "arm_description") == robot.parent.parent / "meshes" / "upper.stl"
+    words = "no folder or package.xml is called 'arm_description': its files are taken from "
+    assert read_robot(robot).notes == (words + str(robot.parent.parent),)
+    robot.write_text(robot.read_text(encoding="utf-8").replace("upper.stl", "lower.stl"), encoding="utf-8")
+    assert "there is no package 'arm_description'" in str(read_robot(robot).links[1].geometries[0].shape)
+
+
+@pytest.mark.parametrize(
+    ("variable", "up"),
+    [("ROS_PACKAGE_PATH", 2), ("ROS_PACKAGE_PATH", 1), ("AMENT_PREFIX_PATH", 3), ("SDF_PATH", 2)],
+)
+def test_packages_lie_where_the_environment_says(
+    robot: Path, gripper: Path, monkeypatch: pytest.MonkeyPatch, variable: str, up: int
+) -> None:
+    monkeypatch.setenv(variable, str(gripper.parents[up]))
+    assert shape_of(robot, "gripper") == gripper
+
+
+def test_a_package_is_called_what_its_package_xml_says(robot: Path) -> None:
+    """As in a folder that a repository was cloned or unpacked into."""
+    mesh = robot.parent.parent / "meshes" / "upper.stl"
+    (robot.parent.parent / "package.xml").write_text("<package><name> arm_description </name></package>")
+    assert shape_of(robot, "arm_description") == mesh
+    (robot.parent.parent / "package.xml").write_text("<package><name>arm_desc")
+    assert "there is no package" in str(shape_of(robot, "arm_description"))
+
+
+QUATERNION = 'quat_xyzw="0 0 1.4 1.4"'
+RPY = 'rpy="0 0 1.5707963267948966"'
+
+
+def test_quaternions_of_version_1_1_turn(robot: Path) -> None:
+    """By hand: (0, 0, k, k) is a quarter turn about z, as those angles are, for links, joints and shapes."""
+    robot.write_text(ROBOT.replace(RPY, QUATERNION).replace('name="arm"', 'name="arm" version="1.1"', 1))
+    read = read_robot(robot)
+    inertial = read.links[1].inertial
+    assert read.notes == ()
+    assert inertial is not None
+    assert inertial.placement.rotation.tolist() == [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    robot.write_text(robot.read_text().replace('rpy="0 0 0"', QUATERNION))
+    assert read_robot(robot).links[1].placement.rotation.tolist() == [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+
+
+@pytest.mark.parametrize("version", ["", ' version="1.0"', ' version="one"'])
+def test_before_version_1_1_there_are_no_quaternions(robot: Path, version: str) -> None:
+    robot.write_text(ROBOT.replace(RPY, QUATERNION).replace('name="arm"', f'name="arm"{version}', 1))
+    read = read_robot(robot)
+    (note,) = read.notes
+    assert "link 'upper', inertial, origin has 'quat_xyzw': passed over, as in urdfdom" in note
+    assert read.links[1].inertial is not None
+    assert np.array_equal(read.links[1].inertial.placement.rotation, np.eye(3))
+
+
+@pytest.mark.parametrize(
+    ("origin", "words"),
+    [
+        (f"{RPY} {QUATERNION}", "link 'upper', inertial, origin has both rpy and quat_xyzw"),
+        ('quat_xyzw="0 0 0 0"', "origin, quat_xyzw is zero"),
+        ('quat_xyzw="0 0 1"', "origin, quat_xyzw is '0 0 1': it must be 4 numbers"),
+    ],
+)
+def test_quaternions_that_no_program_reads_are_a_fault_of_the_link(robot: Path, origin: str, words: str) -> None:
+    robot.write_text(ROBOT.replace(RPY, origin).replace('name="arm"', 'name="arm" version="1.1"', 1))
+    assert words in read_robot(robot).links[1].fault
+
+
+def test_what_an_origin_has_besides_is_noted(robot: Path) -> None:
+    robot.write_text(ROBOT.replace(RPY, f'{RPY} wxyz="1 0 0 0"'))
+    assert read_robot(robot).notes == (
+        "link 'upper', inertial, origin has 'wxyz', which URDF does not know: passed over",
+    )

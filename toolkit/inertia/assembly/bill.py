@@ -5,10 +5,10 @@ from __future__ import annotations
 import csv
 import io
 import re
-import tomllib
 from typing import Any, get_type_hints
 
 from inertia.assembly.fields import PartFields
+from inertia.documents import toml_table
 from inertia.errors import ReadError
 from inertia.tables import cell_text
 
@@ -84,7 +84,7 @@ def _without_comma(word: str, delimiter: str) -> str:
 def _value(word: str) -> Any:
     if word[:1] in "[{+-.0123456789":
         try:
-            return tomllib.loads(f"value = {word.replace(chr(10), ' ')}")["value"]
-        except tomllib.TOMLDecodeError:
+            return toml_table(f"value = {word.replace(chr(10), ' ')}")["value"]
+        except ReadError:
             pass
     return word

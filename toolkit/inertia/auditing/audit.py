@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
@@ -20,6 +21,7 @@ from inertia.auditing.judge import Finding, LinkAudit, Subject, Weighed, judge
 from inertia.auditing.search import EXPLAINED
 from inertia.auditing.shapes import Scales, cause
 from inertia.errors import InertiaError, ReadError, UsageError, placed, visible
+from inertia.estimate import uncertainty_of
 from inertia.exchange.robots.links import Geometry, Link, Placement, Robot
 from inertia.exchange.robots.mend import Mended, mend
 from inertia.exchange.robots.read import read_robot
@@ -99,8 +101,8 @@ class Audit:
     def fixed(self) -> bytes:
         """Return the file with the mass properties of mistaken links mended, and nothing else changed.
 
-        Links whose difference no mistake explains, those that were not judged by their own meshes, and those that are
-        stated elsewhere stay as they are: see `unmended`.
+        Links whose difference no mistake explains, unless no body can have what is stated, those that were not judged
+        by their own meshes, and those that are stated elsewhere stay as they are: see `unmended`.
 
         Raises `UsageError` where the format cannot be written into, or links were lumped.
         """
@@ -111,7 +113,7 @@ class Audit:
         """Which links `fixed` leaves as they are although they differ, and why, in sentences; raises as it does."""
         left = self._mending[1]
         reasons = (
-            (link.name, left.get(link.name, "") if link.mended is not None else link.findings[0].sentence)
+            (link.name, left.get(link.name, "") if link.mended is not None else _why_not(link))
             for link in self.links
             if link.state in ("inconsistent", "unphysical")
         )
@@ -145,7 +147,8 @@ def audit(
     Parameters
     ----------
     path : a robot: URDF, MJCF, SDFormat or USD, or a list of parts as CSV or TOML
-    densities : kg/m³ of all meshes, or of each by its file's name ("" is the rest)
+    densities : kg/m³ of all meshes, or of each by its file's name, with folders where these tell files apart ("" is
+        the rest)
     tolerance : relative difference (mass, tensor, centre of mass over the size of the link) up to which they agree
     lump : links that hang together by fixed joints count as one, as simulators merge them
 
@@ -157,9 +160,12 @@ def audit(
     if not 0 < tolerance < 1:
         raise UsageError(f"the tolerance is {tolerance:g}: it must lie between 0 and 1")
     for name, density in (densities if isinstance(densities, Mapping) else {"": densities}).items():
+        of = f" of {visible(name)!r}" if name else ""
         if density is not None and not 0 < density < math.inf:
-            of = f" of {visible(name)!r}" if name else ""
             raise UsageError(f"the density{of} is {density:g} kg/m³: it must be positive and finite")
+        if density is not None and uncertainty_of(density):
+            words = "has an uncertainty, which an audit does not take: give the number alone"
+            raise UsageError(f"the density{of} of {density:g} kg/m³ {words}")
     robot = read_robot(path)
     if isinstance(densities, Mapping):
         _require_known(densities, robot)
@@ -190,6 +196,11 @@ def _cause(link: LinkAudit) -> str:
     return "; and ".join(named) or link.findings[0].sentence
 
 
+def _why_not(link: LinkAudit) -> str:
+    """Return why a link that differs is not mended: what lies outside a hull says nothing of the mistake."""
+    return next((each for each in link.findings if each.code != "outside_hull"), link.findings[0]).sentence
+
+
 def _center_agrees(link: LinkAudit) -> bool:
     """Say whether the stated centre of mass is as good as the mended one: Steiner's term is of second order."""
     if link.difference is None or link.mended is None:
@@ -200,9 +211,11 @@ def _center_agrees(link: LinkAudit) -> bool:
 
 def _require_known(densities: Mapping[str, float], robot: Robot) -> None:
     """Refuse a density of what the robot has not."""
-    names = list(dict.fromkeys(geometry.name for link in robot.links for geometry in link.geometries))
+    geometries = [geometry for link in robot.links for geometry in link.geometries]
+    names = list(dict.fromkeys(geometry.name for geometry in geometries))
+    known = {name for geometry in geometries for name in _names_of(geometry)}
     for name in densities:
-        if name and name not in names:
+        if name and name not in known:
             close = get_close_matches(name, names, _NAMED, 0.0)
             more = f" and {len(names) - len(close)} more" if len(names) > len(close) else ""
             there = f"there are {', '.join(close)}{more}" if names else "it has none"
@@ -221,12 +234,12 @@ def _subject(link: Link, scales: Scales, densities: float | Mapping[str, float] 
         rotation = inertial.placement.rotation
         inertia = rotation @ inertial.inertia @ rotation.T
         body = Body(inertial.mass, inertial.placement.origin, inertia)
-        stated = Statement(body, rotation, inertial.decimals, inertial.integrals)
+        stated = Statement(body, rotation, inertial.figures, inertial.integrals)
     by_role: dict[str, list[Geometry]] = {"visual": [], "collision": []}
     for geometry in link.geometries:
         by_role[geometry.role].append(geometry)
-    visual, obstacles = _weighed(by_role["visual"], scales)
-    collision, others = _weighed(by_role["collision"], scales)
+    visual, obstacles = _weighed(_told_apart(by_role["visual"]), scales)
+    collision, others = _weighed(_told_apart(by_role["collision"]), scales)
     if (obstacles.blocking or not by_role["visual"]) and collision and not others.blocking:
         words = "the visual meshes cannot be weighed" if by_role["visual"] else "it has no visual geometry"
         note = Finding("collision_weighed", f"{words}: the collision geometry is weighed in their place")
@@ -269,10 +282,32 @@ def _weights(geometries: Sequence[Geometry], densities: float | Mapping[str, flo
         return None
     if not isinstance(densities, Mapping):
         return (float(densities),) * len(geometries)
-    missing = [geometry.name for geometry in geometries if geometry.name not in densities and "" not in densities]
-    if missing:
-        raise UsageError(f"no density is given for {missing[0]}: name it, or the rest by ''")
-    return tuple(float(densities.get(geometry.name, densities.get("", 0.0))) for geometry in geometries)
+    weights = []
+    for geometry in geometries:
+        name = next((each for each in (*_names_of(geometry), "") if each in densities), None)
+        if name is None:
+            words = "give one by that name, or one without a name for all that have none"
+            raise UsageError(f"no density is given for {geometry.name}: {words}")
+        weights.append(float(densities[name]))
+    return tuple(weights)
+
+
+def _names_of(geometry: Geometry) -> list[str]:
+    """Return what a geometry may be called: by the end of its file's path, the longest first, and by its name."""
+    parts = geometry.shape.parts if isinstance(geometry.shape, Path) else ()
+    return [*("/".join(parts[k:]) for k in range(len(parts) - 1)), geometry.name]
+
+
+def _told_apart(geometries: Sequence[Geometry]) -> list[Geometry]:
+    """Return geometries with those called after their folders too that lie in files of one name."""
+    files = {(geometry.name, geometry.shape) for geometry in geometries if isinstance(geometry.shape, Path)}
+    shared = {name for name, count in Counter(name for name, _ in files).items() if count > 1}
+    return [
+        replace(each, name=f"{each.shape.parent.name}/{each.name}")
+        if isinstance(each.shape, Path) and each.name in shared
+        else each
+        for each in geometries
+    ]
 
 
 def _lumped(groups: _Groups, subjects: Sequence[Subject]) -> Iterator[Subject]:
@@ -293,13 +328,18 @@ def _lumped(groups: _Groups, subjects: Sequence[Subject]) -> Iterator[Subject]:
         yield Subject(
             root,
             Statement(together(stated), np.eye(3)) if stated else None,
-            [each.moved(where) for subject, where in here for each in subject.shapes],
-            [each.moved(where) for subject, where in here for each in subject.collisions],
+            [_of_link(subject, each.moved(where)) for subject, where in here for each in subject.shapes],
+            [_of_link(subject, each.moved(where)) for subject, where in here for each in subject.collisions],
             known,
             [finding for subject, _ in here for finding in subject.obstacles],
             [finding for subject, _ in here for finding in subject.notes],
             fault=next((by_name[name].fault for name, _ in members if by_name[name].fault), ""),
         )
+
+
+def _of_link(subject: Subject, weighed: Weighed) -> Weighed:
+    """Return a shape that is called after its link, too."""
+    return replace(weighed, shape=replace(weighed.shape, name=f"{subject.name}/{weighed.shape.name}"))
 
 
 def _fixed_together(robot: Robot) -> _Groups:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.exchange.robots.mjcf_masses import legacy
 from inertia.mass.tensor import point_inertia
 from inertia.mesh.geometry.hull import convex_hull
 from inertia.records import dataclass
@@ -162,6 +163,12 @@ class Shape:
         """The convex hull, of density 1."""
         hull = None if self.hull is None else solid_of(self.hull)
         return self.solid if hull is None or hull.mass < self.solid.mass else hull  # facets of what is round
+
+    @cached_property
+    def legacy_solid(self) -> Body:
+        """What MuJoCo's legacy rule counts of the mesh, of density 1: more than it encloses where it is not convex."""
+        counted = legacy(self.corners) if self.surface is None else None
+        return self.solid if counted is None else Body(counted.volume, counted.center, counted.inertia)
 
     @cached_property
     def box_solid(self) -> Body:

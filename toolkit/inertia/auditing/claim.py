@@ -10,6 +10,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.auditing.bodies import Body, Shape, norm, together
+from inertia.exchange.robots.links import Figures
 from inertia.records import dataclass
 
 _SMALL = 0.02
@@ -27,14 +28,13 @@ class Statement:
     ----------
     body : mass, centre (3,) m and tensor about it, in the axes of the link
     rotation : (3, 3), the axes in which the file writes the tensor, in those of the link
-    decimals : places after the point of the mass, of the centre and of the tensor as they are written; None where
-        that is not known
+    figures : how the centre and the tensor are written; None where that is not known
     integrals : whether the fields of the products are for positive integrals
     """
 
     body: Body
     rotation: Float
-    decimals: tuple[int | None, int | None, int | None] = (None, None, None)
+    figures: tuple[Figures | None, Figures | None] = (None, None)
     integrals: bool = False
 
     @cached_property

@@ -199,7 +199,8 @@ def judge(subject: Subject, alike: Sequence[Subject], tolerance: float) -> LinkA
     if faults:
         state = "unphysical" if faults[0].code == "unphysical" else "inconsistent"
     sound = not subject.substitute and all(each.room <= tolerance for each in subject.shapes)
-    mendable = sound and not judgement.of_mesh and (judgement.mendable or bool(faults))
+    impossible = any(fault.code == "unphysical" for fault in faults)  # a hull may lack what has some of the mass
+    mendable = sound and not judgement.of_mesh and (judgement.mendable or impossible)
     return LinkAudit(
         name,
         state,

@@ -15,10 +15,11 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.auditing.claim import Statement
-from inertia.exchange.robots.links import COARSE, rounding_of
+from inertia.exchange.robots.links import COARSE, rounding_of, spread_along
 from inertia.records import dataclass
 
 _SLACK = 1e-9  # of the size of the hull: where the planes of a hull are rounded to
+_AS_WRITTEN = " (as written; rounding to so few digits explains it)"
 _SINGLE = 1e-6  # of a tensor: what figures of single precision leave open
 
 
@@ -63,7 +64,7 @@ def faults(stated: Statement) -> Iterator[Fault]:
         yield Fault(f"the tensor is not positive definite: its principal moments are {names}", 1.0)
         return
     trace = Fraction(float(np.trace(written)))
-    rounding = rounding_of(written, stated.decimals[2])
+    rounding = Fraction(rounding_of(written, stated.figures[1]))
     roundoff = trace * Fraction(1, 2**50)
     if not _obeys(written, min(rounding, trace * Fraction(COARSE)) + roundoff):
         excess = float(-margin(stated) * moments[2] / (moments[0] + moments[1]))
@@ -72,7 +73,7 @@ def faults(stated: Statement) -> Iterator[Fault]:
             f"the principal moments {names} break the triangle rule: the greatest is {words} the sum of the others"
         )
         if _obeys(written, rounding + roundoff):
-            sentence += " (as written; rounding to so few digits explains it)"
+            sentence += _AS_WRITTEN
         yield Fault(sentence, excess)
 
 
@@ -86,39 +87,54 @@ def _obeys(tensor: Float, slack: Fraction) -> bool:
 def outside(stated: Statement, hull: Float) -> Iterator[Fault]:
     """Yield why no body within a convex hull (triangles (k, 3, 3), m, link axes) can have what is stated.
 
-    What the last decimals that are written leave open is passed over.
+    What the last decimals that are written leave open is passed over, but for the centre no more than 1 % of the size
+    of the hull, and for the tensor no more than 1 % of its trace.
 
     The centre of mass lies within, and along each principal axis the mean square distance from the centre is at most
     the product of the ways from the centre to the hull's two ends (Bhatia and Davis, Am. Math. Monthly 107, 2000).
     """
     body = stated.body
     size = float(np.ptp(hull, axis=(0, 1)).max())
-    _, center_decimals, decimals = stated.decimals
-    blur = _SLACK * size + (0.0 if center_decimals is None else 10.0**-center_decimals)
+    of_center = stated.figures[0]
+    rounding = np.zeros(3) if of_center is None else of_center.half_units(body.center)
+    loose = np.minimum(rounding, COARSE * size)
     normals = np.cross(hull[:, 1] - hull[:, 0], hull[:, 2] - hull[:, 0])
     lengths = np.linalg.norm(normals, axis=1)
     flat = lengths <= _SLACK * size**2
-    heights = np.einsum("ij,ij->i", normals, body.center - hull[:, 0])[~flat] / lengths[~flat]
-    if (beyond := float(heights.max(initial=-np.inf))) > blur:
-        yield Fault(
-            f"the centre of mass lies {1e3 * beyond:.3g} mm outside the convex hull of the meshes", beyond / size, True
-        )
+    normals = normals[~flat] / lengths[~flat, None]
+    heights = np.einsum("ij,ij->i", normals, body.center - hull[~flat, 0])
+    if np.any(heights - np.abs(normals) @ loose > _SLACK * size):
+        away = float(heights.max())
+        sentence = f"the centre of mass lies {1e3 * away:.3g} mm outside the convex hull of the meshes"
+        if of_center is not None and of_center.digits and np.all(heights - np.abs(normals) @ rounding <= _SLACK * size):
+            sentence += _AS_WRITTEN
+        yield Fault(sentence, away / size, True)
         return
     second = (np.trace(body.inertia) / 2 * np.eye(3) - body.inertia) / body.mass
     squares, axes = np.linalg.eigh(second)
     ways = (hull.reshape(-1, 3) - body.center) @ axes
+    blur = _SLACK * size + loose @ np.abs(axes)
     limits = (ways.max(axis=0) + blur) * (blur - ways.min(axis=0))
-    trace = float(np.trace(body.inertia))
-    slack = _SINGLE * trace + (0.0 if decimals is None else min(1.5 * 10.0**-decimals, COARSE * trace))
-    k = int(np.argmax(squares - limits))
-    if squares[k] > limits[k] + slack / body.mass:
-        radius, limit = np.sqrt(squares[k]), np.sqrt(max(0.0, limits[k]) + 0.0)  # no negative zero
+    beyond = squares - limits - _open_along(axes, stated) / body.mass
+    k = int(np.argmax(beyond))
+    if beyond[k] > 0:
+        radius, limit = np.sqrt(squares[k]), np.sqrt(max(0.0, -ways[:, k].max() * ways[:, k].min()))
         yield Fault(
             f"the mass would lie {1e3 * radius:.3g} mm (root mean square) from its centre along one axis, where the "
             f"hull of the meshes allows {1e3 * limit:.3g} mm at most",
             float(radius / limit - 1) if limit else np.inf,
             True,
         )
+
+
+def _open_along(axes: Float, stated: Statement) -> Float:
+    """Return how far the second moments along principal axes, columns (3, 3), are open as they are written, kg m²."""
+    figures, trace = stated.figures[1], float(np.trace(stated.body.inertia))
+    if figures is None:
+        return np.full(3, _SINGLE * trace)
+    loose = figures.half_units(stated.written)
+    rounding = [spread_along(stated.rotation.T @ axis, loose) for axis in axes.T]
+    return _SINGLE * trace + np.minimum(rounding, COARSE * trace)
 
 
 def _exact(matrix: Float) -> list[list[Fraction]]:

@@ -22,10 +22,10 @@ from inertia.mass.properties import MassProperties, stretched
 from inertia.mesh import primitives
 from inertia.mesh.part import Part
 from inertia.mesh.read import read
-from inertia.mesh.tree import ONE, determinant
+from inertia.mesh.tree import ONE, determinant, diagonal
 from inertia.mesh.tree import Motion as Transform
 from inertia.records import dataclass
-from inertia.units import METRE, Unit
+from inertia.units import METRE, Unit, scaled
 
 _NODES = 96  # of the quadrature over an ellipsoid, each way: 1e-12 at 1 : 3, 1e-4 at 1 : 100
 _ALLOWED = 0.999  # for faults: what is more leaves nothing certain
@@ -96,21 +96,22 @@ class Scales:
 
 
 def _scaled(part: Part, geometry: Geometry) -> tuple[Part, Transform]:
-    """Return the part in metres or its file's own unit, and how it is stretched and shifted then.
+    """Return the part in a unit of length, and how it is mirrored, stretched and shifted then.
 
-    A factor that is common to x, y and z goes to the unit.
+    A factor that is common to x, y and z goes to the unit, in which findings tell lengths and volumes.
     """
     base = part.unit if part.unit_from == "file" else METRE
-    if geometry.transform is not None:
-        x = y = z = Fraction(1)
-    else:
-        x, y, z = geometry.scale or (Fraction(1),) * 3
-    if x == y == z > 0:
-        unit = base if x == 1 else Unit(f"{float(x):g} {base.name}", base.metres * x)
-        return replace(part, unit=unit, unit_from="file"), geometry.transform or Transform()
-    if 0 in (x, y, z):
-        raise GeometryError(f"{part.name} is scaled by {float(x):g} {float(y):g} {float(z):g}: nothing is left of it")
-    return replace(part, unit=base, unit_from="file"), Transform(linear=geometry.linear)
+    if geometry.transform is None and 0 in (scale := geometry.scale or (1, 1, 1)):
+        factors = " ".join(f"{float(each):g}" for each in scale)
+        raise GeometryError(f"{part.name} is scaled by {factors}: nothing is left of it")
+    to = geometry.transform or Transform(linear=geometry.linear)
+    size = abs(to.linear[0][0])
+    signs = diagonal([Fraction(-1 if to.linear[k][k] < 0 else 1) for k in range(3)])
+    if size and to.linear == tuple(tuple(size * each for each in row) for row in signs):
+        return replace(part, unit=scaled(base, size), unit_from="file"), replace(to, linear=signs)
+    if part.unit_from != "file":
+        base = Unit("(unit of its file)", METRE.metres)  # a factor of its own along each axis makes it no length
+    return replace(part, unit=base, unit_from="file"), to
 
 
 def _weighed(part: Part, to: Transform) -> _Mesh:

@@ -33,6 +33,8 @@ def mistakes(context: Context) -> Iterator[Mistake]:
         yield replace(shells, blur=_FACETS if any(shape.surface is None for shape in shapes) else 0.0)
     words = "it is that of the convex hulls of the meshes"
     yield of("hull_for_mesh", words, lambda about: [shape.hull_solid for shape in about.shapes])
+    words, remedy = "it is what MuJoCo's legacy rule counts of the meshes", 'write inertia="exact" in their <mesh>'
+    yield of("hull_for_mesh", words, lambda about: [shape.legacy_solid for shape in about.shapes], remedy)
     words = "it is that of the boxes around the meshes"
     yield of("hull_for_mesh", words, lambda about: [shape.box_solid for shape in about.shapes])
     if len(shapes) > 1 and not known:

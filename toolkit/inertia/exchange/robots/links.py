@@ -9,7 +9,7 @@ import math
 from dataclasses import field, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -47,6 +47,28 @@ class Placement:
         return Placement(self.rotation.T, -self.rotation.T @ self.origin)
 
 
+class Figures(NamedTuple):
+    """How numbers are written: places after the point, and significant digits, of those of them that have most.
+
+    >>> Figures(4, 4).half_units(np.array([0.3333, 0.08333, 0.0]))
+    array([5.e-05, 5.e-05, 5.e-05])
+    >>> Figures(5, 4).half_units(np.array([0.3333, 0.08333, 0.0]))
+    array([5.e-05, 5.e-06, 5.e-06])
+    """
+
+    decimals: int
+    digits: int
+
+    def half_units(self, values: Float) -> Float:
+        """Return by how much each of some numbers may be off, rounded to so many decimals or to so many digits.
+
+        Which of the two a program does, the numbers do not say: those that end in zeros may be written without these.
+        """
+        with np.errstate(divide="ignore"):
+            leading = np.floor(np.log10(np.abs(values)))  # where the first digit stands; nowhere of zero
+        return 0.5 * np.maximum(10.0**-self.decimals, 10.0 ** (leading - self.digits + 1))
+
+
 @dataclass(frozen=True, eq=False)
 class Inertial:
     """Mass properties as a file states them.
@@ -56,7 +78,7 @@ class Inertial:
     mass : kg
     placement : of the frame at the centre of mass in which the tensor is written
     inertia : (3, 3) kg m² about the centre of mass along the axes of that frame, tensor signs
-    decimals : places after the point that mass, centre and tensor are written with; None where that says nothing
+    figures : how the centre and the tensor are written; None where that says nothing
     integrals : whether the file's fields of the products are for positive integrals, and not for tensor elements
     error : how far what was completed by shapes may be off; None where all is stated
     """
@@ -64,21 +86,28 @@ class Inertial:
     mass: float
     placement: Placement
     inertia: Float
-    decimals: tuple[int | None, int | None, int | None] = (None, None, None)
+    figures: tuple[Figures | None, Figures | None] = (None, None)
     integrals: bool = False
     error: ErrorBound | None = None
 
 
-def rounding_of(written: Float, decimals: int | None) -> Fraction:
-    """Return by how much rounding to so many decimals may lower an eigenvalue of ½ tr(J) δ − J, kg m².
+def rounding_of(tensor: Float, figures: Figures | None) -> float:
+    """Return by how much rounding may have lowered the least eigenvalue of ½ tr(J) δ − J at most, kg m².
 
-    `written` is J, (3, 3) along the axes of the file.
+    `tensor` is J, (3, 3) along the axes of the file.
     """
-    if decimals is None:
-        return Fraction(0)
-    # Half a unit in each element of J moves vᵀ(½ tr(J) δ − J)v by 3/4 of one, or by 5/4 where products are rounded too.
-    of_unit = Fraction(5, 4) if np.any(written - np.diag(np.diag(written))) else Fraction(3, 4)
-    return of_unit / Fraction(10) ** decimals
+    if figures is None:
+        return 0.0
+    axis = np.linalg.eigh(tensor)[1][:, -1]  # of the greatest moment
+    return spread_along(axis, figures.half_units(tensor))
+
+
+def spread_along(axis: Float, loose: Float) -> float:
+    """Return by how much vᵀ(½ tr(J) δ − J)v may be off, kg m², along a unit vector (3,).
+
+    `loose` is by how much the elements of J (3, 3) may be.
+    """
+    return float(np.sum(np.abs(np.eye(3) / 2 - np.outer(axis, axis)) * loose))
 
 
 @dataclass(frozen=True, eq=False)

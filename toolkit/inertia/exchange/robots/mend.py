@@ -106,7 +106,9 @@ def _urdf(data: bytes, inertial: _Tag, mended: Mended, indent: str) -> list[_Edi
 
 
 def _is_unturned_origin(tag: _Tag) -> bool:
-    """Whether the origin of an inertial is three numbers, and its angles are zero."""
+    """Whether the origin of an inertial is three numbers, and its angles are zero or not written."""
+    if tag.attributes.keys() - {"xyz", "rpy"}:
+        return False
     place, angles = (_figures(tag.attributes.get(key, "0 0 0")) for key in ("xyz", "rpy"))
     return place is not None and len(place) == 3 and angles == [0.0] * 3
 
@@ -194,6 +196,7 @@ def _indent(data: bytes, start: int) -> str:
     return line.decode("ascii", "ignore") if not line.strip() else ""
 
 
+_ENCODING = "its encoding is not one of ASCII, UTF-8 and Latin-1: mend it by hand"
 _START_TAG = re.compile(rb"""<[^\s/>]+(?:[^>"']|"[^"]*"|'[^']*')*>""")
 
 
@@ -208,7 +211,7 @@ def _tags(data: bytes) -> _Tag:
         place = parser.CurrentByteIndex + lead
         match = _START_TAG.match(data, place)
         if match is None:
-            raise ReadError("its encoding is not one of ASCII, UTF-8 and Latin-1: mend it by hand", code="encoding")
+            raise ReadError(_ENCODING, code="encoding")
         tag = _Tag(name.rpartition(":")[2], attributes, place, match.end())
         stack[-1].children.append(tag)
         stack.append(tag)
@@ -219,6 +222,8 @@ def _tags(data: bytes) -> _Tag:
     parser.StartElementHandler, parser.EndElementHandler = start, end
     try:
         parser.Parse(data[lead:], True)
+    except (LookupError, ValueError):  # what expat makes of an encoding that Python does not know, or of several bytes
+        raise ReadError(_ENCODING, code="encoding") from None
     except expat.ExpatError as error:
         raise ReadError(f"its XML is damaged ({error}): export it again", code="damaged_xml") from None
     return root

@@ -32,7 +32,7 @@ from inertia.exchange.robots.links import (
     Role,
 )
 from inertia.exchange.robots.mjcf_frames import ORIENTATIONS, Angles, along, numbers, turned
-from inertia.exchange.robots.text import decimals, floats, robot_xml, scales
+from inertia.exchange.robots.text import figures, floats, robot_xml, scales
 from inertia.mesh.geometry.hull import convex_hull
 from inertia.mesh.part import Part
 from inertia.mesh.readers.contents import shown
@@ -380,9 +380,8 @@ def _inertial(elements: list[tuple[Element, Placement, str]], what: str, model: 
         inertia = CONVENTIONS["mjcf"].tensor(numbers(attributes, "fullinertia", 6, None, what).tolist())
     else:
         inertia = np.diag(numbers(attributes, "diaginertia", 3, None, what))
-    words = ("mass", "pos", "fullinertia" if "fullinertia" in attributes else "diaginertia")
-    digits = [decimals([attributes.get(key, "")]) for key in words]
-    return Inertial(mass, placement, inertia, (digits[0], digits[1], digits[2]))
+    written = attributes["fullinertia" if "fullinertia" in attributes else "diaginertia"]
+    return Inertial(mass, placement, inertia, (figures([attributes["pos"]]), figures([written])))
 
 
 def _geometry(attributes: Attributes, what: str, number: int, where: Placement, model: _Model) -> Geometry | None:
@@ -421,7 +420,8 @@ def _shape(attributes: Attributes, what: str, number: int, where: Placement, mod
         return Geometry(name, role, shape, where.then(placement))
     name = attributes.get("name") or attributes["mesh"]
     if kind not in ("mesh", "sdf"):
-        return Geometry(name, role, f"a {kind} fitted to a mesh is not read")
+        article = "an" if kind[:1] == "e" else "a"
+        return Geometry(name, role, f"{article} {kind} fitted to a mesh is not read")
     mesh = model.meshes.get(attributes["mesh"], f"the mesh {shown(attributes['mesh'])} is not among the assets")
     if isinstance(mesh, str):
         return Geometry(name, role, mesh)

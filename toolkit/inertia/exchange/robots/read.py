@@ -14,9 +14,10 @@ from inertia.exchange.robots.links import Robot
 from inertia.exchange.robots.mjcf import read_mjcf
 from inertia.exchange.robots.sdf import read_sdf
 from inertia.exchange.robots.table import read_csv, read_toml
+from inertia.exchange.robots.text import is_file
 from inertia.exchange.robots.urdf import read_urdf
 from inertia.exchange.robots.usd import read_usd
-from inertia.mesh.readers.contents import shown
+from inertia.mesh.readers.contents import plural, shown, was
 from inertia.standard_input import NAME as STANDARD_INPUT
 from inertia.standard_input import file_of, path_of, reason_of
 
@@ -65,6 +66,26 @@ def read_robot(path: str | Path) -> Robot:
     raise ReadError(
         f"cannot read {path}: it is no robot of a known format ({', '.join(READERS)})", code="unknown_format"
     )
+
+
+def lost_by(robot: Robot, copy: Path) -> str:
+    """Return what a copy of a robot's file lacks where it lies, in a sentence; "" where it lacks nothing.
+
+    Files that are named from the folder of the robot's own are not found from another one.
+    """
+    if copy.absolute().parent == robot.path.absolute().parent:
+        return ""
+    try:
+        lost = len(_meshes_of(robot) - _meshes_of(read_robot(copy)))
+    except ReadError as error:
+        return str(error)
+    beside = f"write it beside {robot.path}, from whose folder they are named"
+    return f"{plural(lost, 'mesh file')} {was(lost)} not found from there: {beside}" if lost else ""
+
+
+def _meshes_of(robot: Robot) -> set[Path]:
+    shapes = {geometry.shape for link in robot.links for geometry in link.geometries}
+    return {shape.resolve() for shape in shapes if isinstance(shape, Path) and is_file(shape)}
 
 
 def format_of(beginning: bytes, suffix: str | None = None) -> str | None:

@@ -20,7 +20,7 @@ from inertia.errors import ReadError, visible
 from inertia.exchange.conventions import CONVENTIONS
 from inertia.exchange.robots.forest import forest
 from inertia.exchange.robots.links import Geometry, Inertial, Joint, Link, Motion, Placement, Primitive, Robot, Role
-from inertia.exchange.robots.text import decimals, floats, is_file, mesh_file, robot_xml, scales
+from inertia.exchange.robots.text import figures, file_name, floats, is_file, mesh_file, robot_xml, scales
 from inertia.exchange.rotations import rotation_of_quaternion, rotation_of_rpy
 from inertia.mesh.readers.contents import shown
 from inertia.records import dataclass
@@ -134,7 +134,8 @@ def read_sdf(path: Path) -> Robot:
         for link in _links(model, scope, frames, hung, drop, path.parent, folders, notes)
     ]
     if not links:
-        raise ReadError("it holds no link", code="empty")
+        why = "".join(f": {note}" for note in notes if note not in faults)
+        raise ReadError(f"it holds no link{why}", code="empty")
     name = models[0].get("name", "") if len(models) == 1 else ""
     return Robot(path, "sdf", name, tuple(links), tuple(notes))
 
@@ -373,7 +374,7 @@ def _inertial(link: Element, what: str, notes: dict[str, None]) -> Inertial | No
         floats(mass, 1, f"{what}, mass")[0] if mass else 1.0,
         _pose(element, what),
         _CONVENTION.tensor(elements),
-        (decimals([mass]), decimals(pose.split()[:3]), decimals(words)),
+        (figures(pose.split()[:3]), figures(words)),
     )
 
 
@@ -401,8 +402,9 @@ def _geometries(
             solid: Path | Primitive | str
             try:
                 if kind.tag == "mesh":
-                    solid = mesh_file(kind.findtext("uri", "").strip(), folder)
-                    label = solid.name
+                    reference = kind.findtext("uri", "").strip()
+                    label = file_name(reference) or label
+                    solid = mesh_file(reference, folder)
                     scale = None if kind.find("scale") is None else scales(kind.findtext("scale", ""), what)
                     if kind.find("submesh") is not None:
                         solid = "a part of a mesh's file cannot be weighed"

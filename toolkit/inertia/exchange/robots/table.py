@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import csv
 import io
-import tomllib
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from pathlib import Path
@@ -19,11 +18,12 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.documents import FieldError, Section, choice, number, numbers, section_of, table_of, text
+from inertia.documents import FieldError, Section, choice, number, numbers, section_of, table_of, text, toml_table
 from inertia.encoding import text_of
 from inertia.errors import ReadError, UsageError
-from inertia.exchange.robots.links import Geometry, Inertial, Link, Placement, Robot
-from inertia.exchange.robots.text import decimals
+from inertia.exchange.robots.links import Figures, Geometry, Inertial, Link, Placement, Robot
+from inertia.exchange.robots.text import figures
+from inertia.mass.tensor import tensor_of
 from inertia.mesh.readers.contents import shown
 from inertia.records import dataclass
 from inertia.standard_input import file_of
@@ -32,6 +32,7 @@ from inertia.units import length_unit
 
 _CENTER = ("com_x", "com_y", "com_z")
 _ELEMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+_Written = tuple[Figures | None, Figures | None]  # of the centre and the tensor
 _OPTIONAL = ("mesh", "unit", "products")
 
 
@@ -60,18 +61,22 @@ class _Stated(Section):
     unit: Annotated[str | None, text] = None
     products: Annotated[Literal["elements", "integrals"], choice("elements", "integrals")] = "elements"
 
+    def require_sense(self, path: str) -> None:
+        """Refuse a tensor that is not symmetric."""
+        try:
+            tensor_of(self.inertia)
+        except UsageError as error:
+            raise FieldError(f"{path}.inertia", f"is not usable: {error}") from None
+
 
 def read_toml(path: Path) -> Robot:
     """Read a list of parts from a TOML file; raise `ReadError` or `UsageError` where it is none."""
-    try:
-        document = tomllib.loads(_text(path))
-    except tomllib.TOMLDecodeError as error:
-        raise ReadError(f"it is not TOML: {error}", code="not_toml") from None
+    document = toml_table(_text(path))
     parts = document.get("part")
     if not isinstance(parts, list) or not parts:
         raise ReadError("it holds no list of parts: give each as [[part]]", code="empty")
     tables = [table_of(table, f"part[{k}]") for k, table in enumerate(parts)]
-    return _robot(path, "toml", ((table, _decimals(table), f"part[{k}]") for k, table in enumerate(tables)))
+    return _robot(path, "toml", ((table, _figures(table), f"part[{k}]") for k, table in enumerate(tables)))
 
 
 def read_csv(path: Path) -> Robot:
@@ -91,25 +96,24 @@ def read_csv(path: Path) -> Robot:
         raise ReadError(f"it is not CSV: {error}", code="table") from None
 
 
-def _robot(
-    path: Path, format: str, tables: Iterator[tuple[Mapping[str, Any], tuple[int | None, int | None, int | None], str]]
-) -> Robot:
+def _robot(path: Path, format: str, tables: Iterator[tuple[Mapping[str, Any], _Written, str]]) -> Robot:
     links: dict[str, Link] = {}
-    for table, places, where in tables:
+    for table, written, where in tables:
         stated = section_of(_Stated, table, path=where)
         if stated.name in links:
             raise FieldError(f"{where}.name", f"is {shown(stated.name)}, as that of another part: names must differ")
-        links[stated.name] = Link(stated.name, _inertial(stated, places), tuple(_meshes(stated, path, where)))
+        links[stated.name] = Link(stated.name, _inertial(stated, written), tuple(_meshes(stated, path, where)))
     if not links:
         raise ReadError("it holds no part", code="empty")
     return Robot(path, format, path.stem, tuple(links.values()))
 
 
-def _inertial(stated: _Stated, places: tuple[int | None, int | None, int | None]) -> Inertial:
+def _inertial(stated: _Stated, written: _Written) -> Inertial:
     integrals = stated.products == "integrals"
     sign = np.where(np.eye(3) > 0, 1.0, -1.0 if integrals else 1.0)
     place = Placement(np.eye(3), np.array(stated.center_of_mass))
-    return Inertial(stated.mass, place, sign * stated.inertia, places, integrals)
+    inertia = sign * (stated.inertia / 2 + stated.inertia.T / 2)  # what rounding left of a tensor that was turned
+    return Inertial(stated.mass, place, inertia, written, integrals)
 
 
 def _meshes(stated: _Stated, path: Path, where: str) -> Iterator[Geometry]:
@@ -126,10 +130,8 @@ def _meshes(stated: _Stated, path: Path, where: str) -> Iterator[Geometry]:
     yield Geometry(file.name, "visual", file, scale=scale)
 
 
-def _row(
-    row: Mapping[str | None, Any], where: str
-) -> tuple[Mapping[str, Any], tuple[int | None, int | None, int | None], str]:
-    """Return a row of CSV laid out as a table of TOML, the decimals it has, and where it stands."""
+def _row(row: Mapping[str | None, Any], where: str) -> tuple[Mapping[str, Any], _Written, str]:
+    """Return a row of CSV laid out as a table of TOML, how it is written, and where it stands."""
     if None in row:
         raise FieldError(where, "has more cells than the first line has names")
 
@@ -150,13 +152,13 @@ def _row(
     if given:
         table["center_of_mass"] = [value(name) for name in _CENTER]
     table |= {name: row[name].strip() for name in _OPTIONAL if (row.get(name) or "").strip()}
-    words = {name: (row.get(name) or "").strip() for name in ("mass", *_CENTER, *_ELEMENTS)}
-    places = tuple(decimals([words[name] for name in names]) for names in (("mass",), given, _ELEMENTS))
-    return table, (places[0], places[1], places[2]), where
+    words = {name: (row.get(name) or "").strip() for name in (*_CENTER, *_ELEMENTS)}
+    center, inertia = (figures([words[name] for name in names]) for names in (given, _ELEMENTS))
+    return table, (center, inertia), where
 
 
-def _decimals(table: Mapping[str, Any]) -> tuple[int | None, int | None, int | None]:
-    """Return the decimals of the shortest text of each number: TOML keeps no other."""
+def _figures(table: Mapping[str, Any]) -> _Written:
+    """Return the figures of the shortest text of each number: TOML keeps no other."""
 
     def words(value: object) -> Iterator[str]:
         if isinstance(value, list):
@@ -165,8 +167,8 @@ def _decimals(table: Mapping[str, Any]) -> tuple[int | None, int | None, int | N
         elif isinstance(value, int | float):
             yield repr(value)
 
-    mass, center, inertia = (decimals(words(table.get(key))) for key in ("mass", "center_of_mass", "inertia"))
-    return mass, center, inertia
+    center, inertia = (figures(words(table.get(key))) for key in ("center_of_mass", "inertia"))
+    return center, inertia
 
 
 def _text(path: Path) -> str:

@@ -10,13 +10,14 @@ import codecs
 import math
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 from xml.etree.ElementTree import Element
 
 from inertia.errors import ReadError
+from inertia.exchange.robots.links import Figures
 from inertia.mesh.readers.contents import shown
 from inertia.mesh.readers.decimals import written
 from inertia.mesh.readers.trimesh import parse_xml
@@ -27,9 +28,19 @@ _PASSED_OVER = re.compile(r"<!--.*?-->|<!DOCTYPE[^>]*>|[\x01-\x08\x0b\x0c\x0e-\x
 _NO_ENTITY = re.compile(r"&(?!(?:amp|lt|gt|quot|apos|#\d+|#x[0-9a-fA-F]+);)")
 _PREFIX = re.compile(r"""(</?|\s)([\w.-]+):(?=[\w.-]+(?:\s*=\s*["']|[\s/>]))""")
 _VALUE = re.compile(r"""=\s*("[^"]*"|'[^']*')""")
-_DECIMAL = re.compile(r"[+-]?\d*(?:\.(\d*))?(?:[eE]([+-]?\d+))?", re.ASCII)
+_DECIMAL = re.compile(r"[+-]?(?=\.?\d)(\d*)(?:\.(\d*))?(?:[eE]([+-]?\d+))?", re.ASCII)
+_LOST = 1e-9  # of the largest number: what is smaller is what computing zero left
 _MOST_DECIMALS = 1e6  # more than any float64 has; an exponent may have more digits than an int is read from
 _FIRST = re.compile(r"<([\w.-]+)")
+_SEARCHED = (
+    ("ROS_PACKAGE_PATH", ""),
+    ("AMENT_PREFIX_PATH", "share"),
+    ("GZ_SIM_RESOURCE_PATH", ""),
+    ("GAZEBO_MODEL_PATH", ""),
+    ("SDF_PATH", ""),
+)
+"""Variables of the environment that list folders with packages, as ROS, ROS 2, Gazebo and SDFormat have them; and where
+in these the packages lie."""
 
 
 def robot_xml(data: bytes) -> tuple[Element, tuple[str, ...]]:
@@ -93,30 +104,41 @@ def scales(text: str, what: str) -> tuple[Fraction, Fraction, Fraction]:
     return x, y, z
 
 
-def decimals(words: Iterable[str]) -> int | None:
-    """Return how many places after the point the longest of some decimals has; None without any.
+def figures(words: Iterable[str]) -> Figures | None:
+    """Return how many decimals and digits those of some numbers have that have most; None without any number.
 
-    >>> decimals(["0.025", "1e-05", "3"]), decimals([])
-    (5, None)
+    Zeros, and what is lost beside the largest, count only where there is nothing else.
+
+    >>> figures(["0.025", "1e-05 3"]), figures(["0.3333", "1e-20", "0.000000"]), figures(["0", "0.0"]), figures([])
+    (Figures(decimals=5, digits=2), Figures(decimals=4, digits=4), Figures(decimals=1, digits=0), None)
     """
-    return max((_decimals(word) for text in words for word in text.split()), default=None)
+    numerals = [numeral for text in words for word in text.split() if (numeral := _DECIMAL.match(word)) is not None]
+    sizes = [abs(float(numeral[0])) for numeral in numerals]
+    telling = [numeral for numeral, size in zip(numerals, sizes, strict=True) if size > _LOST * max(sizes)] or numerals
+    if not telling:
+        return None
+    return Figures(max(map(_decimals, telling)), max(map(_digits, telling)))
 
 
-def _decimals(word: str) -> int:
-    parts = _DECIMAL.match(word)  # what follows a number was passed over
-    if parts is None:
-        return 0
-    exponent = min(max(float(parts[2] or 0), -_MOST_DECIMALS), _MOST_DECIMALS)
-    return max(0, len(parts[1] or "") - int(exponent))
+def _decimals(numeral: re.Match[str]) -> int:
+    exponent = min(max(float(numeral[3] or 0), -_MOST_DECIMALS), _MOST_DECIMALS)
+    return max(0, len(numeral[2] or "") - int(exponent))
 
 
-def mesh_file(reference: str, folder: Path) -> Path:
+def _digits(numeral: re.Match[str]) -> int:
+    return len((numeral[1] + (numeral[2] or "")).lstrip("0"))
+
+
+def mesh_file(reference: str, folder: Path, notes: dict[str, None] | None = None) -> Path:
     """Return the file that a robot's description means by a mesh's name.
 
-    ``package://name/path`` is looked for in the folders above the description that are called `name`, contain one of
-    that name, or are a package of any name; then in those of the environment's ROS_PACKAGE_PATH. ``model://`` alike.
+    ``package://name/path`` and ``model://name/path`` are looked for in the folders above the description that are
+    called `name`, or whose package.xml says that they are, then in those beside them, then where the environment says
+    (`_SEARCHED`). Of a package that is in none of these places, a file in the folders above is taken, with a note in
+    `notes`, unless a package.xml there gives another name: another package may have a file of the same name.
 
-    Where there is none, it is the first place that was looked at. Raises `ReadError` for what is no file's name.
+    What is not there is returned where it would be. Raises `ReadError` for what is no file's name, and for a package
+    that is nowhere.
     """
     if not reference.strip():
         raise ReadError("the mesh has no file name: name it by package://, file:// or a path")
@@ -130,17 +152,63 @@ def mesh_file(reference: str, folder: Path) -> Path:
             raise ReadError(f"the mesh {shown(reference)} is not a file: write file:///path") from None
     elif scheme in ("package", "model"):
         package, _, path = rest.partition("/")
-        folder = folder.absolute()  # as it is named, it may have no parents
-        above = [folder, *folder.parents]
-        roots = [Path(root) for name in ("ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH") for root in _paths(name)]
-        places = [parent / path for parent in above if parent.name == package]
-        places += [root / package / path for root in (*above, *roots)]
-        places += [parent / path for parent in above]
+        # As the folder is named, it may have no parents.
+        roots = list(_packages(package, folder.absolute())) if package else []
+        if not roots and scheme == "package" and package and notes is not None:
+            roots = [root for root in _nameless(folder.absolute()) if is_file(root / path)][:1]
+            words = f"no folder or package.xml is called {shown(package)}: its files are taken from"
+            notes |= dict.fromkeys(f"{words} {root}" for root in roots)
+        if not roots:
+            variable = "ROS_PACKAGE_PATH" if scheme == "package" else "GZ_SIM_RESOURCE_PATH"
+            raise ReadError(
+                f"there is no {scheme} {shown(package)} above the file, beside it or in the folders of {variable}: "
+                "name the one that holds it there",
+                code="no_file",
+            )
+        places = [root / path for root in roots]
     else:
         raise ReadError(f"the mesh {shown(reference)} is not a file: name it by package://, file:// or a path")
     file = next((place for place in places if is_file(place)), places[0])
     note_input(file)
     return file
+
+
+def file_name(reference: str) -> str:
+    """Return what the file of a mesh is called, wherever it lies; "" where nothing is named."""
+    return reference.rpartition("/")[2].strip()
+
+
+def _packages(name: str, folder: Path) -> Iterator[Path]:
+    """Yield the folders that are the package of a name for a description in a folder."""
+    above = [folder, *folder.parents]
+    yield from (parent for parent in above if parent.name == name or _package_name(parent) == name)
+    roots = [Path(root) / below for variable, below in _SEARCHED for root in _paths(variable)]
+    yield from (root for root in roots if root.name == name)
+    yield from (place for root in (*above, *roots) if _is_folder(place := root / name))
+
+
+def _nameless(folder: Path) -> Iterator[Path]:
+    """Yield a folder and those above it that may be a package of any name, as no package.xml says which."""
+    for parent in (folder, *folder.parents):
+        if is_file(parent / "package.xml"):
+            return
+        yield parent
+
+
+def _package_name(folder: Path) -> str:
+    """Return what the package.xml of a folder calls it; "" where it has none that says so."""
+    file = folder / "package.xml"
+    try:
+        return parse_xml(file.read_bytes()).findtext("name", "").strip() if is_file(file) else ""
+    except (OSError, ReadError):
+        return ""
+
+
+def _is_folder(place: Path) -> bool:
+    try:
+        return place.is_dir()
+    except OSError:
+        return False
 
 
 def is_file(place: Path) -> bool:

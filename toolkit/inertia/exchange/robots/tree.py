@@ -33,6 +33,7 @@ from inertia.mass.properties import ErrorBound, MassProperties
 from inertia.mass.tensor import faults
 from inertia.mesh.part import Part
 from inertia.mesh.read import read
+from inertia.units import unit_of
 
 _FORMATS = ("urdf", "mjcf", "sdf", "usd")
 _HALF_BIT = 2.0**-53  # of what is rounded to float64 once, relative
@@ -231,15 +232,21 @@ def _part(link: Link, positions: Mapping[str, float], notes: list[str]) -> dict[
             notes.append(
                 f"link {link.name}: {broken[0]}: rounding to its last decimal explains that, and it counts as it is"
             )
-            part["bound"] = {"inertia": 1.5 * 10.0 ** -(stated.decimals[2] or 0) / float(np.linalg.norm(tensor))}
+            part["bound"] = {"inertia": _rounded_by(stated) / float(np.linalg.norm(tensor))}
     return part
 
 
 def _is_rounded(stated: Inertial) -> bool:
     """Whether rounding to the last decimal explains that a tensor breaks the triangle rule, as `audit` has it."""
     moments = np.linalg.eigvalsh(stated.inertia)
-    slack = min(float(rounding_of(stated.inertia, stated.decimals[2])), COARSE * float(moments.sum()))
+    slack = min(rounding_of(stated.inertia, stated.figures[1]), COARSE * float(moments.sum()))
     return bool(moments[0] > 0 and moments[0] + moments[1] - moments[2] >= -2 * slack)
+
+
+def _rounded_by(stated: Inertial) -> float:
+    """Return by how much rounding may have moved a tensor (Frobenius norm), kg m²."""
+    figures = stated.figures[1]
+    return 0.0 if figures is None else float(np.linalg.norm(figures.half_units(stated.inertia)))
 
 
 def _of_geometries(
@@ -268,9 +275,7 @@ def _of_geometries(
                 part |= _of_shell(geometry, geometry.shape)
                 part.pop("density", None)
         elif isinstance(geometry.shape, Path) and geometry.filling in ("solid", "legacy"):
-            part |= {"file": str(geometry.shape.absolute()), "unit": "m"} | weight
-            if geometry.scale is not None and set(geometry.scale) != {1}:
-                part["stretch"] = list(geometry.scale)
+            part |= {"file": str(geometry.shape.absolute())} | _in_metres(geometry) | weight
             if geometry.filling == "legacy" and (counted := _counted(geometry, geometry.shape, own, notes)):
                 part |= counted
                 part.pop("density", None)
@@ -284,6 +289,13 @@ def _of_geometries(
     if link.mass is not None and parts:
         _scale(parts, link.mass)
     return parts
+
+
+def _in_metres(geometry: Geometry) -> dict[str, Any]:
+    """Return the unit of a mesh's file, and what stretches the mesh where no unit says how it is scaled."""
+    factors = geometry.scale or (Fraction(1),) * 3
+    unit = unit_of(factors[0]) if len(set(factors)) == 1 else None
+    return {"unit": "m", "stretch": list(factors)} if unit is None else {"unit": unit.name}
 
 
 def _scale(parts: Sequence[dict[str, Any]], mass: float) -> None:

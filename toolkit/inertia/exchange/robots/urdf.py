@@ -1,9 +1,10 @@
 """URDF (ROS): links with their `<inertial>`, visual and collision shapes, and the fixed joints between them.
 
 The pose of `<inertial>` is that of a frame at the centre of mass, along whose axes the six elements are tensor
-elements (−∫xy dm). Source: the URDF XML specification, wiki.ros.org/urdf/XML, link and joint. Macros (xacro) have to
-be expanded. Slips are read where a program reads them, with a note: too many or too few numbers, and what follows a
-number, as Bullet does; what no program reads is the fault of the shape or of the link, as with urdfdom.
+elements (−∫xy dm). Source: the URDF XML specification, wiki.ros.org/urdf/XML, link and joint; version 1.1 has
+``quat_xyzw`` where ``rpy`` may stand (urdfdom, URDF Versioning). Macros (xacro) have to be expanded. Slips are read
+where a program reads them, with a note: too many or too few numbers, and what follows a number, as Bullet does; what no
+program reads is the fault of the shape or of the link, as with urdfdom.
 """
 
 from __future__ import annotations
@@ -19,21 +20,27 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.errors import ReadError, visible
 from inertia.exchange.robots.links import Geometry, Inertial, Joint, Link, Motion, Placement, Primitive, Robot, Role
-from inertia.exchange.robots.text import decimals, floats, mesh_file, robot_xml
-from inertia.exchange.rotations import rotation_of_rpy
+from inertia.exchange.robots.text import figures, file_name, floats, mesh_file, robot_xml
+from inertia.exchange.rotations import rotation_of_quaternion, rotation_of_rpy
 from inertia.mesh.readers.contents import plural, shown, was
 from inertia.standard_input import file_of
 
 _PAIRS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 _NUMERAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+_VERSION = re.compile(r"(\d{1,9})\.(\d{1,9})", re.ASCII)
 _MACROS = "it holds macros of xacro: expand it first (xacro FILE > robot.urdf)"
 
 
 class _Attributes:
-    """Reads the numbers in attributes, and keeps what had to be decided in `notes`."""
+    """Reads the numbers in attributes, and keeps what had to be decided in `notes`.
 
-    def __init__(self, notes: tuple[str, ...]) -> None:
+    `quaternions` says whether the version of the robot's URDF has ``quat_xyzw``.
+    """
+
+    def __init__(self, notes: tuple[str, ...], version: str) -> None:
         self.notes = dict.fromkeys(notes)
+        numerals = _VERSION.fullmatch(version.strip())
+        self.quaternions = numerals is not None and (int(numerals[1]), int(numerals[2])) >= (1, 1)
 
     def numbers(self, element: Element | None, key: str, count: int, what: str) -> Float:
         """Return the numbers in an attribute, (count,), or zeros where it is not there."""
@@ -65,9 +72,27 @@ class _Attributes:
 
     def placement(self, element: Element, what: str) -> Placement:
         """Return what the ``<origin>`` of an element says."""
-        origin = element.find("origin")
-        rpy, xyz = (self.numbers(origin, key, 3, f"{what}, origin") for key in ("rpy", "xyz"))
-        return Placement(rotation_of_rpy(*rpy.tolist()), xyz)
+        origin, what = element.find("origin"), f"{what}, origin"
+        rpy, xyz = (self.numbers(origin, key, 3, what) for key in ("rpy", "xyz"))
+        if unread := sorted(() if origin is None else origin.attrib.keys() - {"rpy", "xyz", "quat_xyzw"}):
+            self.notes[f"{what} has {', '.join(map(shown, unread))}, which URDF does not know: passed over"] = None
+        quaternion = self._quaternion(origin, what)
+        return Placement(rotation_of_rpy(*rpy.tolist()) if quaternion is None else quaternion, xyz)
+
+    def _quaternion(self, origin: Element | None, what: str) -> Float | None:
+        """Return the rotation (3, 3) that ``quat_xyzw`` states; None where it is not there or does not count."""
+        if origin is None or origin.get("quat_xyzw") is None:
+            return None
+        if not self.quaternions:
+            words = "passed over, as in urdfdom, for its robot states no version from 1.1 on"
+            self.notes[f"{what} has 'quat_xyzw': {words}"] = None
+            return None
+        if origin.get("rpy") is not None:
+            raise ReadError(f"{what} has both rpy and quat_xyzw, which no program reads: keep one")
+        x, y, z, w = self.numbers(origin, "quat_xyzw", 4, what).tolist()
+        if not any((x, y, z, w)):
+            raise ReadError(f"{what}, quat_xyzw is zero: no rotation has that quaternion")
+        return rotation_of_quaternion([w, x, y, z])
 
 
 def read_urdf(path: Path) -> Robot:
@@ -78,7 +103,7 @@ def read_urdf(path: Path) -> Robot:
         raise ReadError(f"it begins with {shown(root.tag)}, not with robot: it is no URDF file", code="wrong_format")
     if re.search(rb"<xacro:(?!property|arg)", re.sub(rb"(?s)<!--.*?-->", b"", data)):
         raise ReadError(_MACROS, code="xacro")
-    attributes = _Attributes(notes)
+    attributes = _Attributes(notes, root.get("version", "1.0"))
     joints: dict[str, Joint] = {}
     for child, joint in _joints(root, attributes):
         if child in joints:
@@ -164,11 +189,7 @@ def _inertial(link: Element, what: str, attributes: _Attributes) -> Inertial | N
         attributes.number(mass, "value", what),
         attributes.placement(element, what),
         np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]),
-        (
-            decimals([mass.get("value", "")]),
-            decimals([] if origin is None else [origin.get("xyz", "")]),
-            decimals(words),
-        ),
+        (figures([] if origin is None else [origin.get("xyz", "")]), figures(words)),
     )
 
 
@@ -189,8 +210,10 @@ def _geometries(link: Element, name: str, path: Path, attributes: _Attributes) -
                 if kind.tag != "mesh":
                     yield Geometry(label, role, _primitive(kind, what, attributes), placement)
                     continue
-                file = mesh_file(kind.get("filename", ""), path.parent)
-                yield Geometry(file.name, role, file, placement, _scale(kind, what, attributes))
+                reference = kind.get("filename", "")
+                label = file_name(reference) or label
+                file = mesh_file(reference, path.parent, attributes.notes)
+                yield Geometry(label, role, file, placement, _scale(kind, what, attributes))
             except ReadError as error:
                 if str(error) == _MACROS:
                     raise

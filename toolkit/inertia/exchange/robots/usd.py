@@ -21,6 +21,7 @@ from inertia.arrays import Float
 from inertia.errors import ReadError, visible
 from inertia.exchange.robots.forest import forest
 from inertia.exchange.robots.links import (
+    Figures,
     Filling,
     Geometry,
     Inertial,
@@ -51,6 +52,7 @@ _ONTO = {"X": [[0, 0, 1], [1, 0, 0], [0, 1, 0]], "Y": [[0, 1, 0], [0, 0, 1], [1,
 """The turn that takes z to an axis."""
 _ELSEWHERE = 1e-5  # m, and of a rotation: more than float32 rounds
 _WATER = 1000.0  # kg/m³, of what collides, where nothing else is said
+_DIGITS = 9  # that tell one float32 from the next
 _LONGEST = 300  # characters of what OpenUSD says
 _PASSING = re.compile(r",?@anon:0x[0-9a-f]+:[^@]*@| \(instantiating stage on stage .*")
 """Of what OpenUSD says, what has an address in memory."""
@@ -274,7 +276,8 @@ def _joints(stage: _Stage, notes: dict[str, None]) -> Iterator[tuple[bool, str |
         if kind not in ("turns", "slides"):
             placement = authored
         elif apart > _ELSEWHERE:
-            notes[f"joint {shown(prim.GetName())} is not at 0 in the stage: its link stands where 0 puts it"] = None
+            words = "its link stands where its position puts it, at 0 without one"
+            notes[f"joint {shown(prim.GetName())} is not at 0 in the stage: {words}"] = None
         label = str(prim.GetPath()) if prim.GetName() in names else prim.GetName()
         names.add(label)
         excluded = bool(joint.GetExcludeFromArticulationAttr().Get())
@@ -357,8 +360,8 @@ def _inertial(
     if values.mass and stated.moments is not None and center is not None:
         turn = np.eye(3) if stated.axes is None else stated.axes
         unit = float(np.abs(stated.moments).max()) * 2.0**-23  # of float32
-        written = (None, None, math.floor(-math.log10(unit)))
-        return Inertial(mass, Placement(turn, center), np.diag(stated.moments), written), None, None
+        figures = Figures(math.floor(-math.log10(unit)), _DIGITS)
+        return Inertial(mass, Placement(turn, center), np.diag(stated.moments), (None, figures)), None, None
     given = {
         "mass": values.mass > 0,
         "centre of mass": values.center is not None,

@@ -1,12 +1,13 @@
 """Closure and connected components of a triangle surface.
 
-A surface bounds a solid when its boundary chain is zero: every directed edge u→v is matched by an edge v→u.
-Edges are paired group by group of triangles (`inertia.mesh.geometry.pairing`), in any order and on all processors.
-Triangles whose edges were paired belong to one component. Where more than two triangles meet at an edge, the angles
-around it tell which belong together, so that nothing depends on the order of the triangles: then the components with
-such edges, or all triangles where these are many, are paired by the keys of their edges, and those at such edges by
-their coordinates; where these are many, all edges are sorted. Whether there is such an edge, the keys of all edges that
-groups may share tell (12 bytes a triangle, at most), as none may come twice. Vertices are equal when their stored coordinates are (−0 equals +0), which must be finite.
+A surface bounds a solid when its boundary chain is zero: every directed edge u→v is matched by an edge v→u. Edges are
+paired group by group of triangles (`inertia.mesh.geometry.pairing`), in any order and on all processors. Triangles
+whose edges were paired belong to one component. Where more than two triangles meet at an edge, the angles around it
+tell which belong together, so that nothing depends on the order of the triangles: then the components with such edges,
+or all triangles where these are many, are paired by the keys of their edges, and those at such edges by their
+coordinates; where these are many, all edges are sorted. Whether there is such an edge, the keys of all edges that
+groups may share tell (12 bytes a triangle, at most), as none may come twice. Vertices are equal when their stored
+coordinates are (−0 equals +0), which must be finite.
 
 The compiled pass knows a vertex by a 60-bit key: the upper halves of two sums of random 64-bit numbers, one of them
 alone and one times each 32-bit word of its coordinates. Whatever two are given, their keys agree with a probability of
