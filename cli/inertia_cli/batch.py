@@ -29,6 +29,7 @@ from inertia_cli.wording import as_option
 if TYPE_CHECKING:
     from inertia.batching.summary import Summary
 
+VERBS = "analyse", "check", "balance", "audit"
 _REFUSED = 4
 EVERY = 10.0  # s between lines of progress where there is no terminal
 
@@ -67,7 +68,7 @@ def add(parsers: Any) -> None:
     parser.add_argument("--force", action="store_true", help="write over TABLE where it exists")
     parser.add_argument(
         "--verb",
-        choices=["analyse", "check", "balance", "audit"],
+        choices=VERBS,
         default="analyse",
         help="what is asked of every file: analyse (the default), check, balance (rotor files), audit (robots)",
     )

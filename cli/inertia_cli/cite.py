@@ -41,5 +41,9 @@ def run(options: argparse.Namespace) -> int:
             raise placed(error, f"cannot read {options.part}") from None
         except ValueError:
             raise ReadError(f"cannot read {options.part}: it is no JSON document: name what --json printed") from None
+        except RecursionError:
+            raise ReadError(
+                f"cannot read {options.part}: its lists or objects are nested too deeply: name what --json printed"
+            ) from None
     print_file(cite(*documents))
     return 0

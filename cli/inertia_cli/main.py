@@ -10,13 +10,14 @@ import signal
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
 import inertia
 from inertia.errors import CacheWarning, GeometryError, InertiaError, UsageError, WaitingWarning, WriteError, visible
 from inertia.output import sparing_inputs
-from inertia.standard_input import DESCRIPTOR
+from inertia.standard_input import DESCRIPTOR, require_name
 from inertia.standard_input import NAME as STANDARD_INPUT
 from inertia_cli import (
     analyse,
@@ -75,6 +76,15 @@ class _HelpFormatter(argparse.HelpFormatter):
 class _Parser(argparse.ArgumentParser):
     def __init__(self, **arguments: Any) -> None:
         super().__init__(**{"formatter_class": _HelpFormatter} | arguments)
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        """Print help or version; argparse itself passes over what cannot be written."""
+        if file is not None:
+            file.write(message)
+
+    def exit(self, status: int = 0, message: str | None = None) -> NoReturn:
+        """Leave once the help or version that was printed is written; with exit code 1 where it cannot be."""
+        super().exit(_written() if status == 0 else status, message)
 
     def error(self, message: str) -> NoReturn:
         """Leave with one sentence and exit code 2."""
@@ -152,15 +162,22 @@ def main(arguments: Sequence[str]) -> int:
         for argument in arguments:
             if argument.startswith("--") and argument.endswith("=--"):  # argparse would go on without the value
                 parser.error(f"argument {argument[:-3]}: expected one argument")
-        options = parser.parse_args(_join_names(_join_negative(arguments, parser)))
+        for argument in arguments[: arguments.index("--")] if "--" in arguments else arguments:
+            if re.match(r"-[^-].*\.", argument) and Path(argument).is_file():
+                parser.error(f"argument {argument}: it begins as an option does: write ./{argument} for that file")
+        options, more = parser.parse_known_args(_join_names(_join_negative(arguments, parser)))
+        if more:
+            parser.error(_too_many(more, options))
     except _Unusable as unusable:
         if "--json" in arguments and sys.stdout is not None:
             _print_refusal(UsageError(), unusable.message, [])
         raise
+    except OSError as error:  # of help or version
+        return _unwritten(error)
     if getattr(options, "live", False):  # what Rerun would print of a viewer that ends is told in a sentence
         os.environ.setdefault("RUST_LOG", "off")
     if sys.stdout is None:
-        return _say("cannot write the result: standard output is closed", FAULT)
+        return _written()
     try:
         interruption.running = True
         with warnings.catch_warnings():
@@ -180,14 +197,11 @@ def main(arguments: Sequence[str]) -> int:
         return _refuse(GeometryError(message, places=(options.part,)), options)
     except KeyboardInterrupt:
         return _interrupted()
-    except BrokenPipeError:
-        abandon_output()
-        return 0
     except MemoryError:
         message = f"{options.part} needs more memory than there is: split the part or use a larger machine"
         return _refuse(GeometryError(message), options)
     except OSError as error:
-        return _say(f"cannot write the result: {error.strerror or error}", FAULT)
+        return _unwritten(error)
     except Exception as error:
         if interruption.signal:  # a library has made its own of it
             return _interrupted()
@@ -202,11 +216,42 @@ def main(arguments: Sequence[str]) -> int:
         interruption.running = False
 
 
+def _too_many(words: list[str], options: argparse.Namespace) -> str:
+    """Say which words of a command line are too many, and that one file is taken."""
+    sentence = f"unrecognized arguments: {' '.join(words)}"
+    if isinstance(getattr(options, "part", None), str) and any(not word.startswith("-") for word in words):
+        sentence += f"; one file is taken here, {options.part}"
+        if options.run.__module__.rpartition(".")[2] in batch.VERBS:
+            sentence += ", and several by `inertia batch`"
+    return sentence
+
+
+def _written() -> int:
+    """Pass on what standard output still holds, and return the exit code."""
+    if sys.stdout is None:
+        return _say("cannot write the result: standard output is closed", FAULT)
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        return _unwritten(error)
+    return 0
+
+
+def _unwritten(error: OSError) -> int:
+    """Say why standard output takes no more, but where nobody reads it, and return the exit code."""
+    with suppress(io.UnsupportedOperation):  # of a stream in memory
+        abandon_output()
+    if isinstance(error, BrokenPipeError):
+        return 0
+    return _say(f"cannot write the result: {error.strerror or error}", FAULT)
+
+
 def _inputs(options: argparse.Namespace) -> Iterator[Path | int]:
     """Yield the files that a command line names to be read; files that these name are noted where they are read."""
     for argument in _INPUTS:
         value = getattr(options, argument, None)
         for name in [value] if isinstance(value, str) else value or ():
+            require_name(name)
             yield DESCRIPTOR if name == STANDARD_INPUT else Path(name)
 
 

@@ -114,9 +114,13 @@ def add_intersections(parser: Any) -> None:
 
 
 def _named(text: str) -> tuple[str, str]:
-    name, _, value = text.rpartition("=")
+    name, equals, value = text.rpartition("=")
     if not value:
-        raise argparse.ArgumentTypeError(f"{text!r} has nothing after the equals sign")
+        raise argparse.ArgumentTypeError(f"{text!r} has nothing after the equals sign" if equals else "it is empty")
+    if equals and not name.strip():
+        raise argparse.ArgumentTypeError(
+            f"{text!r} has no name before the equals sign: name a region or body, or give {value} alone for the rest"
+        )
     return name, value
 
 

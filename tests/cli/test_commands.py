@@ -228,6 +228,11 @@ def test_welding_is_listed_too(capsys: pytest.CaptureFixture[str], tmp_path: Pat
         (2, ["analyse", "cube.stl", "--about", "1,2,nan"], "X,Y,Z"),
         (2, ["analyse", "cube.stl", "--density", "heavy"], "kg/m³"),
         (2, ["analyse", "cube.stl", "--density", "rim="], "equals sign"),
+        (2, ["analyse", "cube.stl", "--density", "=5"], "'=5' has no name before the equals sign"),
+        (2, ["analyse", "cube.stl", "--material", " =steel"], "give steel alone for the rest"),
+        (2, ["analyse", "cube.stl", "--density", ""], "it is empty"),
+        (2, ["analyse", "cube.stl", "ring.stl"], "cube.stl, and several by `inertia batch`; see `inertia --help`"),
+        (2, ["play", "a.rrd", "b.rrd"], "unrecognized arguments: b.rrd; one file is taken here, a.rrd; see"),
         (2, ["analyse", "cube.stl", "--density", "-1"], "must be positive"),
         (2, ["analyse", "cube.stl", "--density", "1", "--density", "2"], "twice"),
         (2, ["analyse", "cube.stl", "--density", "rim=1"], "'rim'"),
@@ -261,6 +266,21 @@ def test_a_fault_is_one_sentence_and_a_code(
     assert words in message
     if code > 2:
         assert located[0] in message
+
+
+@pytest.mark.parametrize("command", ["analyse", "check", "cite", "simulate", "balance", "audit", "play", "batch"])
+def test_an_empty_name_is_no_folder(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([command, ""]) == 2
+    assert capsys.readouterr().err.startswith("inertia: the path of a file is empty: name a file, or - for standard")
+
+
+def test_a_file_whose_name_begins_as_an_option_is_written_with_its_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("-x.stl").write_bytes(path("cube.stl").read_bytes())
+    assert "write ./-x.stl for that file" in sentence(capsys, 2, "analyse", "-x.stl")
+    assert main(["analyse", "./-x.stl"]) == main(["analyse", "--", "-x.stl"]) == 0
 
 
 def test_the_distance_that_a_crack_names_is_one_to_give(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -71,3 +71,30 @@ def test_the_words_beside_a_table_are_missed(
     assert sentence == (
         "cannot read table.csv: there is no table.csv.meta.json beside it, which says what it holds: keep them together"
     )
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        *("simulate a.toml", "balance a.toml", "balance measure a.toml", "assembly a.toml", "budget a.toml"),
+        *("trade a.toml", "audit a.toml", "budget --diff a.toml a.toml", "cite a.json"),
+    ],
+)
+def test_lists_within_lists_within_lists_are_no_fault_of_the_program(
+    line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    name = line.split()[-1]
+    (tmp_path / name).write_text(("a = " if name.endswith(".toml") else "") + "[" * 100_000)
+    sentence = said(line, tmp_path, monkeypatch, capsys)
+    assert sentence.startswith(f"cannot read {name}: its lists or ")
+    assert "are nested too deeply: " in sentence
+
+
+def test_documents_that_are_cited_may_be_as_deep_as_json_is_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    deep = 800
+    Path("a.json").write_text(f'{{"schema": "inertia/run/1", "a": {"[" * deep}{{"model": "Euler"}}{"]" * deep}}}')
+    assert main(["cite", "a.json"]) == 0
+    assert capsys.readouterr().out.startswith("@software{inertia")

@@ -285,6 +285,17 @@ def test_the_command_prints_and_writes_the_same(capsys: pytest.CaptureFixture[st
     assert "mm (assumed" in printed
 
 
+def test_a_dash_is_standard_output_and_a_file_with_its_folder_alone(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    printed = said(capsys, "--as", "csv")
+    assert said(capsys, "--as", "csv", "-o", "-") == printed
+    assert list(tmp_path.iterdir()) == []
+    assert said(capsys, "--as", "csv", "-o", "./-") == (0, "", "")
+    assert Path("-").read_text() == printed[1]
+
+
 def test_the_command_writes_over_no_file_unasked(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     file = tmp_path / "handle.urdf"
     file.write_text("mine")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from tests.mesh import solids
 from tests.mesh.self_crossing import CROSSING, SOUND, pentagram
-from tests.mesh.solids import box, cube, joined
+from tests.mesh.solids import box, cube, joined, sphere
 
 import inertia
 from inertia.mesh.part import Regions
@@ -111,6 +111,49 @@ def test_the_bound_holds_for_the_surface_that_the_file_writes(tmp_path: Path, de
         result = inertia.mass_properties(inertia.read(tmp_path / "star.obj"), union=True, accuracy=accuracy)
         assert abs(Fraction(result.volume) - exact) <= Fraction(result.error.volume) * exact
         assert result.error.volume < 1e-13
+
+
+def with_chords(chords: list[float], *bodies: solids.Mesh) -> inertia.Part:
+    """Return bodies as a part, each with the distance, m, that its triangles may be off."""
+    part = solids.part(joined(*bodies), unit="m")
+    return replace(part, chord=np.repeat(chords, [len(faces) for _, faces in bodies]))
+
+
+TILTED = np.array([[2, -2, 1], [1, 2, 2], [-2, -1, 2]]) / 3
+
+
+@pytest.mark.parametrize("turned", [np.eye(3), TILTED])
+@pytest.mark.parametrize("radius", [0.1, 1.0, 3.9])
+def test_what_lies_deep_in_another_body_is_off_at_no_cost(turned: np.ndarray, radius: float) -> None:
+    bodies = box((0, 0, 0), (10, 10, 10)), sphere((5, 5, 5), radius, 4)
+    block, ball = ((vertices @ turned.T, faces) for vertices, faces in bodies)
+    analysis = inertia.analyse(with_chords([1e-9, 0.01], block, ball), union=True)
+    alone = inertia.analyse(with_chords([1e-9], block))
+    assert analysis.properties.volume == pytest.approx(1000, rel=1e-14)
+    assert analysis.tessellation.volume == pytest.approx(alone.tessellation.volume, rel=1e-6)
+    assert analysis.tessellation.inertia == pytest.approx(alone.tessellation.inertia, rel=1e-6)
+    assert "1e-09 m" in analysis.tessellation.method
+
+
+def test_what_lies_apart_keeps_its_own_chord() -> None:
+    bodies = box((0, 0, 0), (2, 2, 2)), box((1, 1, 1), (3, 3, 3)), box((9, 0, 0), (10, 1, 1))
+    part = inertia.unite(with_chords([1e-9, 2e-9, 1e-3], *bodies)).part
+    assert sorted({*part.chord[part.triangles.corners()[:, 0, 0] > 8].tolist()}) == pytest.approx([1e-3], rel=1e-9)
+    assert 2e-9 <= part.chord[part.triangles.corners()[:, 0, 0] < 8].max() < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("boxes", "chords", "true"),
+    [
+        # a wall that two bodies share, and that neither has where both are off
+        ([((0, 0, 0), (5, 5, 1)), ((0, 0, 0.999), (5, 5, 2))], [1e-3, 1e-3], 50 - 25 * 1e-3),
+        # a block just under the top of another, which it rises above where it is off
+        ([((0, 0, 0), (10, 10, 10)), ((1, 1, 1), (9, 9, 9.999))], [1e-12, 3e-3], 1000 + 64 * 2e-3),
+    ],
+)
+def test_what_may_come_to_light_is_in_the_bound(boxes: list, chords: list[float], true: float) -> None:
+    analysis = inertia.analyse(with_chords(chords, *(box(*corners) for corners in boxes)), union=True)
+    assert abs(analysis.properties.volume - true) <= analysis.tessellation.volume * analysis.properties.volume
 
 
 def test_text_and_json_say_what_counted_more_than_once(capsys: pytest.CaptureFixture[str]) -> None:

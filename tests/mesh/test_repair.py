@@ -128,6 +128,22 @@ class TestVertices:
         corners[5, 1] += 1e-3
         assert changes(soup(corners))["holes filled"] == 1
 
+    @pytest.mark.parametrize("size", [1.0, 1e6])
+    @pytest.mark.parametrize("shift", [1e-5, 3e-4])
+    def test_cracks_that_part_every_triangle_are_merged(self, size, shift):
+        rng = np.random.default_rng(3)
+        repaired = repair(soup(size * (cube() + shift * rng.uniform(-1, 1, (12, 3, 3)) / 2)))
+        crack = repaired.changes[-1]
+        assert crack.what == "cracks merged"
+        assert 0 < crack.largest_move <= 3**0.5 * size * shift
+        assert volume(repaired.part) == pytest.approx(size**3, rel=6 * shift)
+        assert uses(repaired.part) == {}
+
+    def test_a_piece_among_cracks_and_holes_may_be_no_sheet(self):
+        corners = cube() + np.array([1e-4, 0, 0]) * (np.arange(12) % 2)[:, None, None]
+        with pytest.raises(GeometryError, match=r"remove this sheet, merge its corners with others by .*, or use "):
+            repair(soup(corners[1:]))
+
     def test_triangles_that_collapse_are_recorded(self):
         n = 12
         sliver = band(circle(1, 0, n), circle(1, 1e-8, n))

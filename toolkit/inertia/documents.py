@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING, InitVar, field, fields
 from difflib import get_close_matches
 from fractions import Fraction
-from numbers import Integral, Real
+from numbers import Integral
 from pathlib import Path
 from typing import Any, ClassVar, Self, TypeVar, get_type_hints
 
@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from inertia.arrays import of_rotation
 from inertia.encoding import text_of
 from inertia.errors import FieldPath, GeometryError, ReadError, UsageError, Word, placed, visible
-from inertia.estimate import Estimate
+from inertia.estimate import Estimate, float_of, is_number
 from inertia.records import dataclass
 from inertia.standard_input import file_of, reason_of
 
@@ -136,6 +136,8 @@ def section_of(kind: type[S], table: object, extra: Sequence[str] = (), path: st
 def table_of(value: object, path: str) -> Mapping[str, Any]:
     """Return a table of the file as it is."""
     if not isinstance(value, Mapping):
+        if not path:
+            raise UsageError(f"{short_repr(value)} is no table: give a dictionary laid out as the file is")
         name = re.sub(r"\[\d+\]", "", path)
         header = f"[[{name}]]" if path.endswith("]") else f"[{name}]"
         raise FieldError(path, f"is {short_repr(value)}: it must be a table, as in {header}")
@@ -183,8 +185,14 @@ class Document(ABC):
 
         Raises `ReadError`, `UsageError`.
         """
-        name = os.fspath(path)
         article = "an" if cls.noun[0] in "aeio" else "a"
+        try:
+            name = os.fspath(path)
+        except TypeError:
+            raise UsageError(
+                f"path is a {type(path).__name__}: give the path of {article} {cls.noun} file; from_dict takes a "
+                "dictionary, loads takes text"
+            ) from None
         is_table = name.lower().endswith(".csv")
         try:
             text = text_of(
@@ -204,12 +212,9 @@ class Document(ABC):
         """Read the text of a file; the files that it names are in `folder`, and errors call it `name`."""
         called = name or f"the {cls.noun}"
         try:
-            table = tomllib.loads(text.replace("\r\n", "\n"))
-        except tomllib.TOMLDecodeError as error:
-            sentence = str(error)
-            raise ReadError(
-                f"cannot read {called}: it is not TOML: {sentence[:1].lower()}{sentence[1:]}", code="not_toml"
-            ) from None
+            table = toml_table(text)
+        except ReadError as error:
+            raise placed(error, f"cannot read {called}") from None
         return cls.from_dict(table, folder, text=text, name=called)
 
     @classmethod
@@ -225,7 +230,7 @@ class Document(ABC):
 
         Parameters
         ----------
-        table : the dictionary
+        table : the dictionary; a field that is None counts as not stated
         folder : where the files are that it names
         text : the file as it was read
         name : what errors call it; "the scene", "the rotor" without one
@@ -233,7 +238,9 @@ class Document(ABC):
         called = name or f"the {cls.noun}"
         try:
             layout_version(cls.version)(table_of(table, "").get("schema", cls.version), "schema")
-            _require_printable(table, "")
+            if not _is_printable(table):  # as most are, which need no closer look
+                _require_printable(table, "")
+                table = _without_unstated(table)
             return cls._from_table(table, Path(folder), text, called)
         except (UsageError, GeometryError) as error:
             raise placed(error, called) from None
@@ -280,6 +287,24 @@ def _require_printable(value: object, path: str) -> None:
     elif isinstance(value, list | tuple):
         for k, entry in enumerate(value):
             _require_printable(entry, f"{path}[{k}]")
+
+
+def _without_unstated(value: Any) -> Any:
+    """Return tables, and lists of them, without the fields that are None, as rows of JSON or of a frame have them."""
+    if isinstance(value, Mapping):
+        return {key: _without_unstated(entry) for key, entry in value.items() if entry is not None}
+    return [_without_unstated(entry) for entry in value] if type(value) is list else value
+
+
+def toml_table(text: str) -> dict[str, Any]:
+    """Return what a text in TOML says; raise `ReadError` where it is none, or has too much within one another."""
+    try:
+        return tomllib.loads(text.replace("\r\n", "\n"))
+    except tomllib.TOMLDecodeError as error:
+        sentence = str(error)
+        raise ReadError(f"it is not TOML: {sentence[:1].lower()}{sentence[1:]}", code="not_toml") from None
+    except RecursionError:
+        raise ReadError("its lists or tables are nested too deeply: write them as the documentation has them") from None
 
 
 def toml_text(table: Mapping[str, Any]) -> str:
@@ -349,9 +374,9 @@ def finite_number(unit: str) -> Reader:
     """Read a finite number of some unit, of any size."""
 
     def read(value: Any, path: str) -> float:
-        if isinstance(value, bool) or not isinstance(value, Real):
+        if not is_number(value):
             raise FieldError(path, f"is {short_repr(value)}: it must be a number" + (f" of {unit}" if unit else ""))
-        figure = _float(value)
+        figure = float_of(value)
         if not math.isfinite(figure):
             raise FieldError(path, f"is {short_repr(value)}: it must be finite")
         return figure
@@ -362,13 +387,6 @@ def finite_number(unit: str) -> Reader:
 def _out_of_proportion(path: str, value: Any, *, zero: bool = True) -> FieldError:
     sizes = f"{'zero, or ' if zero else ''}between {SMALLEST:g} and {LARGEST:g}"
     return FieldError(path, f"is {short_repr(value)}: its size must be {sizes}: check its unit")
-
-
-def _float(value: Real) -> float:
-    try:
-        return float(value)
-    except OverflowError:
-        return math.inf
 
 
 def layout_version(version: int) -> Reader:

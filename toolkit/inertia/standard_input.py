@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from functools import cache
 from pathlib import Path
 
-from inertia.errors import ReadError
+from inertia.errors import ReadError, UsageError
 from inertia.output import note_input, temporary_folder
 
 NAME = "-"
@@ -47,11 +47,18 @@ def path_of(name: str | os.PathLike[str]) -> Path:
     return path.absolute() if str(path) == NAME != os.fspath(name) else path
 
 
+def require_name(name: str) -> None:
+    """Raise `UsageError` where a name is empty, which as a path would be the working directory."""
+    if not name:
+        raise UsageError("the path of a file is empty: name a file, or - for standard input")
+
+
 def file_of(name: str) -> Path:
     """Return the file to be read that a name stands for: of `-` one that holds all of standard input until the end.
 
-    Raises `FileNotFoundError` for what no file can be called.
+    Raises `FileNotFoundError` for what no file can be called, and `UsageError` for an empty name.
     """
+    require_name(name)
     if name == NAME:
         note_input(DESCRIPTOR)
         return _spooled()

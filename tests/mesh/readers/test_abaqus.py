@@ -142,3 +142,12 @@ def test_a_node_is_in_one_place(tmp_path: Path) -> None:
     assert len(cells_of(read_text(tmp_path, ABAQUS.replace(again, again + "5, 1.10, 11e-1, 1.1\n"))).points) == 5
     with pytest.raises(ReadError, match="defines node 5 twice, in two places"):
         read_text(tmp_path, ABAQUS.replace(again, again + "5, 1.1, 1.1, 1.2\n"))
+
+
+@pytest.mark.parametrize(
+    "keyword", ["Imperfection, file=a, step=1", "Symmetric  Model Generation, revolve", "IMPORT, STATE=NO"]
+)
+def test_what_moves_or_makes_nodes_is_refused(keyword: str, tmp_path: Path) -> None:
+    name = " ".join(keyword.partition(",")[0].upper().split())
+    with pytest.raises(ReadError, match=f"its keyword '.{name}' is not read: write nodes and elements out in full"):
+        read_text(tmp_path, f"{ABAQUS}*{keyword}\n1, 0.1\n")

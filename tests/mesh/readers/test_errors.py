@@ -114,6 +114,21 @@ BAD = {
     ),
     "text after the solid": ("a.stl", text_stl() + "facet\n", "text outside its solids, after line 86"),
     "endsolid first": ("a.stl", "solid a\nsolid b\nendsolid b\n", "line 2 pairs solid with solid"),
+    "STL in one line": (
+        "a.stl",
+        " ".join(text_stl().split()),
+        "'.* facet .*' has endsolid within a line, and it needs",
+    ),
+    "STL endsolid behind a facet": (
+        "a.stl",
+        text_stl().replace("\nendsolid", " endsolid"),
+        "has endsolid within a line",
+    ),
+    "STL padded with zeros": (
+        "a.stl",
+        text_stl().encode()[:900] + bytes(99),
+        "a zero byte at byte 900: it is a damaged",
+    ),
     "STL NaN": ("a.stl", text_stl(corners=NAN), r"vertex \d+ \(a corner of face \d+\) is \[1.1, nan, 3.0\]"),
     # OBJ
     "OBJ out of range": ("a.obj", obj(OUT), r"face 3 names vertex 100, but the vertices are 1 to 8"),
@@ -129,6 +144,9 @@ BAD = {
         r"vertex 1 \(a corner of face 0\).*inf",
     ),
     "OBJ two corners": ("a.obj", obj() + "f 1 2\n", "face 12 has 2 corners"),
+    "OBJ old patch": ("a.obj", obj() + "bzp 1 2 3 4\n", "begins a free-form surface"),
+    "OBJ call": ("a.obj", obj() + "call b.obj\n", "'call', which has another file or command put in: export"),
+    "OBJ csh": ("a.obj", obj() + "csh -ls\n", "'csh', which has another file or command put in: export"),
     "OBJ points": ("a.obj", obj([]), "no faces, only points"),
     "OBJ short vertex": (
         "a.obj",
@@ -149,6 +167,8 @@ BAD = {
     "OFF no counts": ("a.off", "OFF\n", "no line with the counts"),
     "OFF binary": ("a.off", b"OFF BINARY\n\0\0\0\0", "'OFF BINARY' files are not read"),
     "OFF four dimensions": ("a.off", "4OFF\n1 0 0\n0 0 0 1\n", "'4OFF' files are not read"),
+    "OFF in one line": ("a.off", " ".join(off().split()), "behind its counts stand 72 other numbers in the same line"),
+    "OFF without its name": ("a.off", off().removeprefix("OFF\n"), "with the word OFF: write that before it, or give"),
     "OFF points": ("a.off", off([]), "no faces"),
     "OFF out of range": ("a.off", off(OUT), "face 3 names vertex 99"),
     "OFF NaN": ("a.off", off(corners=NAN), "vertex 5 .* is .1.1, nan, 3.0."),

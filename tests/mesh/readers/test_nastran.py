@@ -1,5 +1,6 @@
 """Nastran: fields, continuations, elements of second order with and without midside nodes, and what is left aside."""
 
+import re
 from fractions import Fraction
 from pathlib import Path
 
@@ -199,7 +200,34 @@ def test_a_grid_point_is_in_one_place(tmp_path: Path) -> None:
         read_text(tmp_path, "b.bdf", again.replace("11.-1", "1.2"))
 
 
+def refused(folder: Path, card: str, match: str) -> None:
+    with pytest.raises(ReadError, match=match):
+        read_text(folder, "a.bdf", NASTRAN.replace("ENDDATA", f"{card}\nENDDATA"))
+
+
 @pytest.mark.parametrize("card", ["CONROD,3,1,2,7,1.", "CTUBE,3,7,1,2", "CBEND,3,7,1,2", "CQUAD4,3,7,1,2,3"])
 def test_other_elements_of_nastran_are_refused(card: str, tmp_path: Path) -> None:
-    with pytest.raises(ReadError, match=r"is not read: write|it needs 4 corners; export"):
-        read_text(tmp_path, "a.bdf", NASTRAN.replace("ENDDATA", f"{card}\nENDDATA"))
+    refused(tmp_path, card, r"is not read: write|it needs 4 corners; export")
+
+
+@pytest.mark.parametrize(
+    "name", ["CIHEX1", "CIHEX2", "cihex3", "CWEDGE", "CHEXA1", "CIFHEX", "CTRMEM", "CTRPLT1", "CQDMEM2", "CPLSTS4"]
+)
+def test_elements_of_other_versions_of_nastran_are_refused(name: str, tmp_path: Path) -> None:
+    refused(tmp_path, f"{name},3,1,1,2,3,4", f"its card '{name}' is not read: write solids as CTETRA")
+
+
+def test_large_fields_and_meshio_s_slips_have_remedies_of_their_own(tmp_path: Path) -> None:
+    refused(tmp_path, "CTETRA* 3", r"'CTETRA\*' is not read: write elements in small or free field")
+    refused(tmp_path, "CTETRA_ 3       1", "'CTETRA_' is not read: Nastran has no such name.* save the mesh as VTU")
+    refused(tmp_path, "CHEXA_* 3", r"'CHEXA_\*' is not read: Nastran has no such name")
+
+
+@pytest.mark.parametrize("line", ["=,*1,=,1,3,2,5", "=,*(1),==", "=3", "=(3)", "=       *1      =       1       3"])
+def test_cards_that_repeat_others_are_refused(line: str, tmp_path: Path) -> None:
+    refused(tmp_path, line, f"its card '{re.escape(line)}', which repeats the card before it, is not read")
+
+
+@pytest.mark.parametrize("card", ["BEGIN SUPER=1", "BEGIN BULK SUPER=2", "CSUPER,1,2", "SELOC,1,2", "CGEN,TET,1"])
+def test_cards_that_make_or_move_grid_points_are_refused(card: str, tmp_path: Path) -> None:
+    refused(tmp_path, card, "its card '(BEGIN|CSUPER|SELOC|CGEN)' is not read: write the bulk data out in full")

@@ -4,7 +4,8 @@ What is right is left alone: a sound part comes back as it went in, bit for bit.
 
 1. vertices with equal coordinates become one (by itself no change: all that reads them takes them for one);
 2. vertices within the tolerance become one; without a tolerance, those at open edges that are no farther
-   apart than 1e-6 of the diagonal of the part's box (cracks);
+   apart than 1e-6 of the diagonal of the part's box (cracks), or, where cracks part the surface in pieces, the least
+   distance up to 1e-3 of it that closes all of them;
 3. triangles with a repeated corner, copies of triangles, and fins without thickness are removed;
 4. triangles are turned until neighbours agree, the fewer ones in each piece;
 5. holes are filled (see `inertia.mesh.repairs.holes`);
@@ -214,7 +215,7 @@ def _repaired(
     steps: list[Callable[[_Mesh], _Step]] = [
         lambda mesh: _without(mesh, _repeating(mesh.faces), "triangles with a repeated corner removed"),
         _without_cracks if tolerance is None else lambda mesh: _welded(mesh, tolerance),
-        _without_wide_cracks if bounded else lambda mesh: (mesh, []),
+        _without_wide_cracks if bounded else _without_parting_cracks if tolerance is None else lambda mesh: (mesh, []),
         lambda mesh: _without_copies(mesh, regions),
         _without_doubles_and_fins,
         _wound_alike,
@@ -292,6 +293,8 @@ def _without_cracks(mesh: _Mesh) -> _Step:
 
 
 def _without_wide_cracks(mesh: _Mesh) -> _Step:
+    vertices, faces = compact(mesh.vertices, mesh.faces)  # one that is left over from a crack is no stepping stone
+    mesh = replace(mesh, vertices=vertices, faces=faces)
     edges = pair_edges(mesh.faces)
     if edges.balanced.all():
         return mesh, []
@@ -299,6 +302,18 @@ def _without_wide_cracks(mesh: _Mesh) -> _Step:
         Surface(mesh.vertices, mesh.faces), mesh.vertices, edges.ends, edges.forward - edges.backward
     )
     return (mesh, []) if distance is None else _merged(mesh, clusters(mesh.vertices, distance), "cracks merged")
+
+
+def _without_parting_cracks(mesh: _Mesh) -> _Step:
+    """Merge wide cracks that part a surface in pieces, each of which would be filled by itself, or be a sheet."""
+    merged, changes = _without_wide_cracks(mesh)
+    return (merged, changes) if changes and _pieces(merged.faces) < _pieces(mesh.faces) else (mesh, [])
+
+
+def _pieces(faces: Int) -> int:
+    """Return how many pieces hang together by their edges."""
+    whole = faces[~repeated_corners(faces)]
+    return len(np.unique(components(half_edges(whole).neighbours() // 3, len(whole))))
 
 
 def _welded(mesh: _Mesh, tolerance: float) -> _Step:

@@ -19,13 +19,13 @@ from inertia.arrays import Bool, Float, Int, Progress
 from inertia.errors import REPAIR, GeometryError
 from inertia.mesh.arrangement.boundary import Polygon, Vertices, closed_surface, is_closed
 from inertia.mesh.arrangement.cells import Cell, Division, Segment, divide
-from inertia.mesh.arrangement.contacts import contacts, edge_name
+from inertia.mesh.arrangement.contacts import Contacts, contacts, edge_name
 from inertia.mesh.arrangement.integers import Triangles, scaled, side, through
+from inertia.mesh.arrangement.uncovered import growth, of_meeting_shells
 from inertia.mesh.arrangement.windings import Probe, Sides, probe, sides
 from inertia.mesh.check import check
 from inertia.mesh.geometry.faces import components, repeated_corners
 from inertia.mesh.geometry.halfedges import half_edges
-from inertia.mesh.manifold import exponent_of
 from inertia.mesh.part import Part, Regions, Rounding
 from inertia.mesh.surface import Surface, counts_once, usable
 from inertia.records import dataclass
@@ -153,7 +153,8 @@ def unite(part: Part, progress: Progress | None = None) -> Union:
             REPAIR,
         )
     coordinates, rests, pieces, sources = surface
-    united = _rebuilt(part, coordinates, rests, pieces, origin[sources])
+    meeting = _meeting(part, triangles, meetings, origin, origin[sources])
+    united = _rebuilt(part, coordinates, rests, pieces, origin[sources], meeting)
     return Union(united, meetings.crossings, more, negative, origin[sources])
 
 
@@ -288,39 +289,46 @@ def _surface(
     return coordinates, rests, numbers.reshape(-1, 3), origins
 
 
-def _rebuilt(part: Part, vertices: Float, rests: Float, faces: Int, origins: Int) -> Part:
+def _rebuilt(part: Part, vertices: Float, rests: Float, faces: Int, origins: Int, meeting: Bool) -> Part:
+    """Return the union as a part; `meeting` says which of the given triangles may be off so that others come to light.
+
+    Those that are left of them are taken for as much farther off as bounds what comes to light, too.
+    """
     surface = Surface(vertices, faces)
     surface.counts_once = True
     distance = float(np.linalg.norm(rests, axis=1).max()) * (1 + 8 * _EPSILON)
     rounding = Rounding(distance, lambda: rests) if distance else None
-    more = _grown(part, surface)
+    more, left = 1.0, meeting[origins]
+    if meeting.any():
+        more = growth(part.triangles.corners()[meeting], surface.corners()[left]) * _reach(part, surface) ** 3
     if part.rounding is not None:
         rounding = Rounding(distance + more * part.rounding.distance)
     chord = part.chord
     if chord is not None:
-        chord = np.full(len(faces), more * float(chord.max()) + distance)
+        chord = np.where(left, more * chord[meeting].max(initial=0.0), chord[origins]) + distance
     regions = part.regions
     if regions is not None:
         regions = Regions(regions.names, regions.index[origins])
     return replace(part, geometry=surface, regions=regions, rounding=rounding, chord=chord, shape=None)
 
 
-def _grown(part: Part, surface: Surface) -> float:
-    """Return how much farther all vertices may seem to be off, so that a bound for the union holds for what it hides.
+def _meeting(part: Part, triangles: Triangles, found: Contacts, origin: Int, origins: Int) -> Bool:
+    """Say which triangles of a part are of shells that meet others, or may where they are off by what is stated.
 
-    Where the surface that was given is off, what is hidden or folds back on itself may come to light.
+    Where nothing is left of these shells, all are; `origins` are the triangles of which something is left.
     """
-    sizes = []
-    scale = exponent_of(part.triangles.corners())
-    for triangles in (part.triangles, surface):
-        corners = np.ldexp(triangles.corners(), -scale)
-        extent = np.ptp(corners, axis=(0, 1))
-        sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
-        area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
-        sizes.append((extent, sides.sum(), area, float(triangles.count)))
-    (extent, *given), (smaller, *left) = sizes
-    reach = 1.0 if (extent == smaller).all() else 2.0 * float((extent / smaller).max())
-    return (1 + 1e-9) * reach**3 * max(1.0, *(float(a / b) for a, b in zip(given, left, strict=True)))
+    meeting = np.zeros(part.triangles.count, bool)
+    if part.chord is not None or part.rounding is not None:
+        reach = np.zeros(len(origin)) if part.chord is None else part.chord[origin]
+        reach = reach + (0.0 if part.rounding is None else part.rounding.distance)
+        meeting[origin] = of_meeting_shells(triangles, found, reach)
+    return meeting if meeting[origins].any() else np.full(len(meeting), meeting.any())
+
+
+def _reach(part: Part, union: Surface) -> float:
+    """Return how much longer the arms of a part may be than those of its union, smaller where it is negative."""
+    extent, smaller = (np.ptp(triangles.corners(), axis=(0, 1)) for triangles in (part.triangles, union))
+    return 1.0 if (extent == smaller).all() else 2.0 * float((extent / smaller).max())
 
 
 def _part_of(progress: Progress | None, start: float, stop: float) -> Progress | None:

@@ -39,18 +39,21 @@ def cite(*documents: Mapping[str, Any]) -> str:
     return "\n\n".join([_SOFTWARE, *filter(None, (_cited(entry, named) for entry in entries))]) + "\n"
 
 
-def _names(value: Any) -> Iterator[str]:
+def _names(document: Mapping[str, Any]) -> Iterator[str]:
     """Yield the methods, models and standards that a document names."""
-    if isinstance(value, Mapping):
+    waiting: list[Any] = [document]
+    while waiting:
+        value = waiting.pop()
+        if isinstance(value, list):
+            waiting += value
+        if not isinstance(value, Mapping):
+            continue
         for name, inside in value.items():
             if name in _NAMES and isinstance(inside, str):
                 yield inside
             elif name == "uncertainty" and inside:
                 yield name
-            yield from _names(inside)
-    elif isinstance(value, list):
-        for inside in value:
-            yield from _names(inside)
+            waiting.append(inside)
 
 
 def _cited(entry: str, named: set[str]) -> str | None:

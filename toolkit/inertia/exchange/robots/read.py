@@ -79,7 +79,9 @@ def lost_by(robot: Robot, copy: Path) -> str:
         lost = len(_meshes_of(robot) - _meshes_of(read_robot(copy)))
     except ReadError as error:
         return str(error)
-    beside = f"write it beside {robot.path}, from whose folder they are named"
+    piped = str(robot.path) == STANDARD_INPUT
+    place = "into the folder one stands in" if piped else f"beside {robot.path}"
+    beside = f"write it {place}, from where they are named"
     return f"{plural(lost, 'mesh file')} {was(lost)} not found from there: {beside}" if lost else ""
 
 

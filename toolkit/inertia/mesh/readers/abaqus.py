@@ -1,9 +1,9 @@
 """Abaqus input: its nodes, elements and sets of elements, laid out as meshio reads them without loss.
 
 meshio takes a comment within a table for its end, knows few of the names that elements of one layout have, gives the
-set that a table of elements names to another table, and reads no set of elements and other sets. What places or makes
-nodes by a rule is refused. Source: Dassault Systèmes, "Abaqus Keywords Guide", *NODE, *ELEMENT, *ELSET, *INSTANCE,
-"Input Syntax Rules", labels, and "Abaqus Elements Guide", index.
+set that a table of elements names to another table, and reads no set of elements and other sets. What places, moves or
+makes nodes by a rule, or takes them from elsewhere, is refused. Source: Dassault Systèmes, "Abaqus Keywords Guide",
+*NODE, *ELEMENT, *ELSET, *INSTANCE, "Input Syntax Rules", labels, and "Abaqus Elements Guide", index.
 """
 
 from __future__ import annotations
@@ -18,7 +18,10 @@ from inertia.errors import ReadError
 from inertia.mesh.readers.contents import plural, shown
 from inertia.mesh.readers.nastran import once, real, whole
 
-_REFUSED = ("INCLUDE", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM")
+_REFUSED = (
+    *("INCLUDE", "IMPORT", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM"),
+    *("IMPERFECTION", "SYMMETRIC MODEL GENERATION"),
+)
 _KEPT = ("NODE", "ELEMENT", "ELSET", "INSTANCE")
 _TYPES = {
     "T3D2": (2, r"T[23]D2H?|B[23][13]H?"),

@@ -30,13 +30,17 @@ _VTU_PACKED = re.compile(rb"<VTKFile[^>]*\bcompressor\s*=\s*[\"'](?!vtkZLibDataC
 _VTU_CELLS = re.compile(rb"\bNumberOfCells\s*=\s*[\"']\s*(\d{1,18})\s*[\"']")
 
 _NASTRAN_CARD = re.compile(
-    rb"^(?:CTET|CPYR|CPEN|CHEX|CTRI|CTRA|CQUA|CSHE|CBEAM|CROD|CBAR|CONROD|CTUBE|CBEND)\w*\*?", _LINES
+    rb"^C(?:TET|PYR|PEN|HEX|IHEX|IF[HPQ]|WEDGE|TRI|TRA|TRB|TRM|TRPLT|TRSH|TORD|QUA|QDM|QDPLT|SHE|PLST|PSTS|RAC|CONE|"
+    rb"BEAM|ROD|BAR|ONROD|TUBE|BEND)\w*\*?",
+    _LINES,
 )
+"""Elements that have a volume, those of old versions (CWEDGE, CIHEX1, CQDMEM) and of NX (CPLSTS4) too."""
 NASTRAN_READ = frozenset(
     b"CBEAM CROD CBAR CTRIAR CTRIA3 CTRAX6 CTRIAX6 CTRIA6 CQUADR CSHEAR CQUAD4 "
     b"CQUAD8 CQUAD9 CTETRA CPYRAM CPYRA CPENTA CHEXA".split()
 )
-_NASTRAN_REFUSED = re.compile(rb"^(?:INCLUDE|GRDSET)\b", _LINES)
+_NASTRAN_REFUSED = re.compile(rb"^(?:=[^\r\n]*|(?:INCLUDE|GRDSET|BEGIN|GRID[BFGSU]|EGRID|CGEN|SELOC|CSUPER)\b)", _LINES)
+"""What makes, moves or repeats grid points and elements, and what begins a superelement with points of its own."""
 
 _NASTRAN_COMMENT = re.compile(rb"^[^$\n][^\n]{0,71}\$", re.MULTILINE)
 _NASTRAN_TRAILING = re.compile(rb"^([^$\r\n][^$\r\n]*[ \t,])\$[^\r\n]*", re.MULTILINE)
@@ -137,7 +141,11 @@ def _nastran(data: bytes) -> int:
     bulk = data[begin.end() : end.start()]
     refused = _NASTRAN_REFUSED.search(bulk)
     if refused:
-        raise ReadError(f"its card {shown(refused[0])} is not read: write the bulk data out in full", code="not_read")
+        repeats = ", which repeats the card before it," if refused[0].startswith(b"=") else ""
+        raise ReadError(
+            f"its card {shown(refused[0].rstrip())}{repeats} is not read: write the bulk data out in full",
+            code="not_read",
+        )
     comment = _NASTRAN_COMMENT.search(bulk)
     if comment:
         raise ReadError(
@@ -152,7 +160,14 @@ def _nastran(data: bytes) -> int:
     cards = _NASTRAN_CARD.findall(bulk)
     for card in cards:
         if card.upper() not in NASTRAN_READ:
-            raise ReadError(
-                f"its card {shown(card)} is not read: write elements in small or free field format", code="not_read"
-            )
+            raise ReadError(f"its card {shown(card)} is not read: {_instead_of(card.upper())}", code="not_read")
     return len(cards)
+
+
+def _instead_of(card: bytes) -> str:
+    """Return the remedy for a card of an element that is not read."""
+    if card.removesuffix(b"*") in NASTRAN_READ:
+        return "write elements in small or free field format"
+    if b"_" in card:
+        return "Nastran has no such name, which a slip of meshio's writer makes: save the mesh as VTU"
+    return "write solids as CTETRA, CPYRAM, CPENTA or CHEXA, shells as CTRIA3 to CQUAD8, rods as CROD, CBAR or CBEAM"

@@ -32,8 +32,10 @@ from inertia.mesh.readers.decimals import rounding_of
 
 _KEYWORDS = frozenset(
     b"v vt vn vp f fo l p o g s mg mtllib usemtl usemap maplib bevel c_interp d_interp lod shadow_obj "
-    b"trace_obj ctech stech cstype deg bmat step curv curv2 surf parm trim hole scrv sp end con".split()
+    b"trace_obj ctech stech cstype deg bmat step curv curv2 cdc res parm trim hole scrv sp end con".split()
 )
+_SURFACES = b"surf", b"bsp", b"bzp", b"cdp"  # the last three of old files
+_CALLS = b"call", b"csh"
 
 _CONTINUED = re.compile(rb"(?m)^([^#\r\n]*)\\[ \t]*\r?\n")  # not a comment, which may end with a folder of Windows
 _COMMENT = re.compile(rb"(?:^|\s)#.*")
@@ -64,7 +66,13 @@ def read_obj(path: Path) -> Contents:
             before_lines.append(len(points))
         elif word == b"p":
             strays += 1
-        elif word == b"surf":
+        elif word in _CALLS:
+            raise ReadError(
+                f"line {number} begins with {shown(word)}, which has another file or command put in: export the part "
+                "as one file",
+                code="not_read",
+            )
+        elif word in _SURFACES:
             raise ReadError(
                 f"line {number} begins a free-form surface: export the part as a polygon mesh", code="not_read"
             )

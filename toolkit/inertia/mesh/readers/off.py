@@ -24,12 +24,21 @@ def read_off(path: Path) -> Contents:
     data = text_of(path)
     header = _HEADER.match(data)
     if header is None:
-        raise ReadError("it does not begin with the word OFF: give its format, or export it again", code="wrong_format")
+        raise ReadError(
+            "it does not begin with the word OFF: write that before it, or give the format that it has",
+            code="wrong_format",
+        )
     if header[2] or header[3]:
         raise ReadError(
             f"{shown(header[0].strip())} files are not read: export it as a plain text OFF file", code="not_read"
         )
     lines = [line for line in re.sub(rb"#[^\r\n]*", b"", data[header.end() :]).splitlines() if line.strip()]
+    if lines and (crowd := len(lines[0].split()) - 3) > 0:
+        raise ReadError(
+            f"behind its counts stand {plural(crowd, 'other number')} in the same line, and each vertex and each face "
+            "needs a line of its own: export it again",
+            code="not_read",
+        )
     counts = numbers(lines[0] if lines else b"", np.int64, "its counts of vertices and faces")
     if len(counts) < 2 or counts[:2].min() < 0:
         raise ReadError("it has no line with the counts of vertices and faces: export it again")

@@ -59,7 +59,12 @@ def read_stl(path: Path) -> Contents:
             "it again",
             code="cut_short",
         )
-    if b"\0" not in head:
+    text = head.partition(b"\0")[0]
+    if is_text_stl(text) and b"vertex" in text.lower():
+        raise ReadError(
+            f"it is a text STL, but holds a zero byte at byte {len(text)}: it is a damaged copy, export it again"
+        )
+    if len(text) == len(head):
         raise ReadError("it is text, but no STL, which begins with 'solid': export it again", code="wrong_format")
     count, room = triangle_count(head), (size - HEADER) / FACET.itemsize
     raise ReadError(
@@ -106,6 +111,11 @@ def _read_text(path: Path) -> Contents:
             name = data[middle:end].strip().decode("utf-8", "replace") or None
         inside = not inside
         at = end
+    if inside and ("endsolid" in (name or "").lower() or b"endsolid" in lower[at:]):
+        raise ReadError(
+            f"its solid {shown(name or '')} has endsolid within a line, and it needs one of its own: export it again",
+            code="not_read",
+        )
     if inside:
         raise ReadError(
             f"its solid {shown(name or '')} has no endsolid: it was cut short, export it again", code="cut_short"

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from inertia.arrays import Float, Int
-from inertia.errors import SHELL, GeometryError
+from inertia.errors import SHELL, WELD, GeometryError
 from inertia.mesh.geometry.faces import components
 from inertia.mesh.geometry.halfedges import HalfEdges
 from inertia.mesh.geometry.triangle_pairs import unit
@@ -147,7 +147,10 @@ def refuse_sheets(vertices: Float, faces: Int, edges: HalfEdges, loops: list[lis
         if share > _SHEET:
             raise GeometryError(
                 f"the hole of {len(loop)} edges {around(vertices[edges.head[loop]])} is {share:.0%} as large "
-                f"as the surface around it, above the limit of {_SHEET:.0%} for a solid: remove this sheet, or use ",
+                f"as the surface around it, above the limit of {_SHEET:.0%} for a solid: remove this sheet, merge its "
+                "corners with others by ",
+                WELD,
+                ", or use ",
                 SHELL,
             )
 
