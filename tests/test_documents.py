@@ -1,5 +1,6 @@
 """Documents in TOML: how they are loaded, what their errors say, and that what is written reads the same."""
 
+import copy
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,8 +10,10 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
+from inertia import Job, Scene
 from inertia.documents import Document, FieldError, nearest, number, numbers, require_known, toml_text
 from inertia.errors import ReadError, UsageError
+from inertia_meshes import path
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,49 @@ def test_an_error_names_the_document(tmp_path: Path) -> None:
     (tmp_path / "d.toml").write_bytes(b"\xff\x00")
     with pytest.raises(ReadError, match="no text in UTF-8: a note is a TOML file"):
         Note.load(tmp_path / "d.toml")
+
+
+def test_a_document_that_is_no_table_is_called_so() -> None:
+    for table in (None, 5, "text", []):
+        with pytest.raises(UsageError, match=r"^the note: .* is no table: give a dictionary laid out as the file is$"):
+            Note.from_dict(table)
+
+
+@pytest.mark.parametrize("place", [None, 5, {"value": 1}], ids=str)
+def test_what_is_no_path_is_not_loaded(place: object) -> None:
+    with pytest.raises(UsageError, match=r"^path is a \w+: give the path of a note file; from_dict takes a dictionary"):
+        Note.load(place)
+
+
+def test_a_field_that_is_none_is_not_stated() -> None:
+    body = {"principal_moments": [1, 2, 3], "mass": None}
+    start = {"angular_velocity": [0, 0, 1], "attitude": None, "frame": None}
+    run = {"duration": 1, "samples": None, "accuracy": None, "model": None}
+    scene = Scene.from_dict({"body": body, "start": start, "run": run, "constraint": None, "load": None})
+    assert (
+        scene.to_toml()
+        == Scene.from_dict(
+            {"body": {"principal_moments": [1, 2, 3]}, "start": {"angular_velocity": [0, 0, 1]}, "run": {"duration": 1}}
+        ).to_toml()
+    )
+    for section, field in (("start", "angular_velocity"), ("run", "duration")):
+        table = {"body": body, "start": start, "run": run}
+        table[section] = table[section] | {field: None}
+        with pytest.raises(UsageError, match=rf"^the scene: {section}\.{field} is missing: it has to be given$"):
+            Scene.from_dict(table)
+
+
+def test_rows_of_json_leave_out_what_is_null() -> None:
+    job = tomllib.loads(path("jobs/fan.toml").read_text(encoding="utf-8"))
+    with_nulls = copy.deepcopy(job)
+    for name in ("tolerance", "uncertainty", "report", "coefficients"):
+        with_nulls.setdefault(name, None)
+    for sensor in with_nulls["sensor"]:
+        sensor |= {name: sensor.get(name) for name in ("importance", "floor", "runout")}
+    for each in with_nulls["run"]:
+        each |= {name: each.get(name) for name in ("weights", "indexed", "remark")}
+    folder = path("jobs/fan.toml").parent
+    assert Job.from_dict(with_nulls, folder).to_toml() == Job.from_dict(job, folder).to_toml()
 
 
 def test_strings_and_figures_survive_toml() -> None:

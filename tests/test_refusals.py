@@ -5,6 +5,7 @@ import json
 import pickle
 import re
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -62,6 +63,34 @@ def test_a_code_survives_places_and_processes() -> None:
     error = placed(ReadError("it is empty", code="empty_file"), "a.stl")
     assert (error.code, pickle.loads(pickle.dumps(error)).code) == ("empty_file", "empty_file")
     assert GeometryError("no").code == "no_answer"
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: inertia.gradient(None),
+        lambda: inertia.repair(None),
+        lambda: inertia.weld(None, 1.0),
+        lambda: inertia.weld(inertia.read(path("cube.stl")), "x"),
+        lambda: inertia.repair(inertia.read(path("cube.stl")), "x"),
+        lambda: inertia.richardson(*[inertia.read(path("cube.stl"))] * 2),
+        lambda: inertia.analyse(inertia.read(path("cube.stl")), class_tolerance="x"),
+        lambda: inertia.analyse(inertia.read(path("cube.stl")), coverage="95%"),
+        lambda: inertia.analyse(inertia.read(path("cube.stl")), chord="x"),
+        lambda: inertia.analyse(inertia.read(path("cube.stl")), chord=True),
+        lambda: inertia.stable_axes([1, 2, 3], tolerance="x"),
+        lambda: inertia.plan(None),
+        lambda: inertia.Job.load(None),
+        lambda: inertia.readings("a", 1),
+        lambda: inertia.readings(np.ma.masked_all(2), [1, 2]),
+        lambda: inertia.readings(np.array([1j]), [1]),
+        lambda: inertia.flip_period(np.array([1, 2, 3]) + 1j, [1, 2, 3]),
+        lambda: inertia.flip_period(np.ma.array([1.0, 2, 3], mask=[0, 0, 1]), [1, 2, 3]),
+    ],
+)
+def test_an_argument_of_another_kind_is_refused_in_a_sentence(call: Callable[[], object]) -> None:
+    with pytest.raises(UsageError):
+        call()
 
 
 def test_a_part_in_memory_is_refused_by_the_same_codes() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -45,6 +46,18 @@ _EXAMPLES = """examples:
 """
 
 
+def number(example: str) -> Callable[[str], float]:
+    """Return how an option reads a number without an uncertainty; what is none is refused with an example."""
+
+    def read(text: str) -> float:
+        try:
+            return float(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"{text!r} is no number, as {example}") from None
+
+    return read
+
+
 def add(parsers: Any) -> None:
     """Add ``inertia analyse``."""
     parser = parsers.add_parser(
@@ -66,7 +79,9 @@ def add(parsers: Any) -> None:
     add_intersections(parser)
     add_parts(parser)
     mend = parser.add_argument_group("mending, never unasked")
-    mend.add_argument("--weld", type=float, metavar="DISTANCE", help="merge vertices within DISTANCE, in --unit")
+    mend.add_argument(
+        "--weld", type=number("0.001"), metavar="DISTANCE", help="merge vertices within DISTANCE, in --unit"
+    )
     mend.add_argument("--repair", action="store_true", help="close, turn and unite; every change is listed")
     mend.add_argument(
         "--union", action="store_true", help="count once what bodies, or a shell that crosses itself, enclose twice"
@@ -74,13 +89,19 @@ def add(parsers: Any) -> None:
     add_faults(mend)
     uncertain = parser.add_argument_group("uncertain input, beside ± in densities, masses, thicknesses (GUM)")
     uncertain.add_argument(
-        "--sigma", type=float, metavar="LENGTH", help="standard deviation of every vertex coordinate, in --unit"
+        "--sigma",
+        type=number("0.02"),
+        metavar="LENGTH",
+        help="standard deviation of every vertex coordinate, in --unit",
     )
     uncertain.add_argument(
         "--scale", type=scale, metavar="1±U", help="standard uncertainty of a factor common to all coordinates"
     )
     uncertain.add_argument(
-        "--coverage", type=float, metavar="K", help="state the expanded uncertainties U = k u too, as 2"
+        "--coverage",
+        type=number("2, for about 95 %"),
+        metavar="K",
+        help="state the expanded uncertainties U = k u too, as 2",
     )
     large = parser.add_argument_group("larger than memory, or on many machines")
     large.add_argument(
@@ -102,11 +123,14 @@ def add(parsers: Any) -> None:
         "--accuracy", type=accuracy, metavar="REL", help='relative bound that must be reached, as 1e-12, or "exact"'
     )
     result.add_argument(
-        "--class-tolerance", type=float, metavar="REL", help="moments within this part of the largest are equal (1e-6)"
+        "--class-tolerance",
+        type=number("1e-6"),
+        metavar="REL",
+        help="moments within this part of the largest are equal (1e-6)",
     )
     result.add_argument(
         "--chord",
-        type=float,
+        type=number("0.1"),
         metavar="LENGTH",
         help="tolerance of the tessellation, in --unit: bounds what it left out",
     )
@@ -125,7 +149,7 @@ def add(parsers: Any) -> None:
         help="print for another program: urdf, sdf, mjcf, usd, modelica, simscape, nastran, adams, abaqus, drake, csv",
     )
     result.add_argument("--name", metavar="NAME", help="of the body in what --as prints: the file's, if not given")
-    result.add_argument("-o", "--output", metavar="FILE", help="write what --as prints to FILE")
+    result.add_argument("-o", "--output", metavar="FILE", help="write what --as prints to FILE, - prints it")
     result.add_argument("--force", action="store_true", help="write over FILE where it exists")
     result.add_argument("--json", action="store_true", help="print one JSON document (inertia/analysis/1)")
 
@@ -183,7 +207,8 @@ def _output(options: argparse.Namespace) -> Path | None:
     from inertia.exchange.export import require_writer
 
     require_writer(options.target)
-    return None if options.output is None else require_writable(options.output, force=options.force)
+    # As of any file, `-` is the stream, and `./-` a file of that name.
+    return None if options.output in (None, "-") else require_writable(options.output, force=options.force)
 
 
 def _exported(analysis: Analysis, repaired: Repaired | None, options: argparse.Namespace) -> str:

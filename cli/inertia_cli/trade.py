@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from inertia.errors import UsageError
+from inertia.estimate import Estimate
 from inertia_cli.options import accuracy, add_input, names_document, read_part
 from inertia_cli.printing import write_and_show
 from inertia_cli.progress import Progress
@@ -29,7 +30,12 @@ def add(parsers: Any) -> None:
     )
     parser.set_defaults(run=run)
     add_input(parser)
-    parser.add_argument("--density", type=float, metavar="KG/M3", help="of the part; 1000 is assumed without it")
+    parser.add_argument(
+        "--density",
+        type=_density,
+        metavar="KG/M3",
+        help="of the part; 1000 is assumed without it, and an uncertainty behind it costs nothing here",
+    )
     parser.add_argument("--material", metavar="MATERIAL", help="take the density from the table of materials")
     parser.add_argument(
         "--accuracy",
@@ -49,6 +55,14 @@ def add(parsers: Any) -> None:
     )
     result.add_argument("--plot", metavar="FILE", help="draw a diagram too, to FILE.svg or FILE.png")
     result.add_argument("--force", action="store_true", help="write over FILE where it exists")
+
+
+def _density(text: str) -> float:
+    """Return a density, kg/m³, without its uncertainty, which no row depends on."""
+    try:
+        return float(Estimate.parse(text))
+    except UsageError:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number of kg/m³, as 7850") from None
 
 
 def run(options: argparse.Namespace) -> int:

@@ -202,6 +202,11 @@ def test_a_comma_that_may_part_thousands_is_refused_with_both(delimiter: str, ce
         Assembly.loads(text, name="bill.csv")
 
 
+def test_a_bill_s_brackets_within_brackets_are_no_list() -> None:
+    with pytest.raises(UsageError, match=r"part\[0\]\.center_of_mass is '\[\[.*must be three numbers"):
+        Assembly.loads(f"name,mass,center_of_mass\na,1,{'[' * 3000}\n", name="bill.csv")
+
+
 def test_a_bill_may_list_lists() -> None:
     text = "name;shape;size;at;material\nbox, large;box;[10,20,30];[1, 2, 0];steel\n"
     assert Assembly.loads(text, name="bill.csv").fields.part[0].name == "box, large"

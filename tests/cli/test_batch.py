@@ -1,6 +1,7 @@
 """`inertia batch`: tables of three kinds, cut short and taken up again, in shards and merged."""
 
 import csv
+import hashlib
 import json
 import os
 import shutil
@@ -124,6 +125,10 @@ def test_shards_merge_to_the_bytes_of_one_run(suffix: str, parts: str, tmp_path:
         batch(parts, "-o", shard, "--shard", f"{number}/3")
     assert batch("--merge", shards[2], shards[0], shards[1], "-o", merged) == 0
     assert merged.read_bytes() == one.read_bytes()
+    if suffix != "parquet":
+        beside = [file.with_name(f"{file.name}.meta.json").read_text() for file in (one, merged)]
+        assert beside[0] == beside[1]
+        assert json.loads(beside[0])["sha256"] == hashlib.sha256(one.read_bytes()).hexdigest()
     assert batch("--merge", shards[0], shards[2], "-o", tmp_path / f"two.{suffix}") == 2
     assert batch("--merge", *shards, shards[1], "-o", tmp_path / f"two.{suffix}") == 2
 
@@ -280,6 +285,21 @@ def test_a_shard_that_does_not_say_what_it_is_of_is_named(
     beside.write_text(json.dumps(about))
     assert batch("--merge", *shards, "-o", tmp_path / "all.jsonl") == 3
     assert f"cannot read {shards[1]}: it does not say how many files there are" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("suffix", ["csv", "jsonl"])
+def test_a_shard_beside_what_another_says_of_itself_is_named(
+    suffix: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    parts = copies(tmp_path).replace("*", "[0-5]")  # as many in each shard
+    shards = [tmp_path / f"shard{number}.{suffix}" for number in (1, 2)]
+    for number, shard in enumerate(shards, 1):
+        batch(parts, "-o", shard, "--shard", f"{number}/2")
+    shutil.copy(shards[0], shards[1])
+    assert batch("--merge", *shards, "-o", tmp_path / f"all.{suffix}") == 3
+    says = f"cannot read {shards[1]}: it is not the table that shard2.{suffix}.meta.json was written for"
+    assert says in capsys.readouterr().err
+    assert not (tmp_path / f"all.{suffix}").exists()
 
 
 def test_shards_of_a_folder_that_grew_are_no_whole(

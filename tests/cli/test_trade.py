@@ -131,3 +131,10 @@ def test_a_fault_is_one_sentence_and_a_code(
     assert (status, out, err.count("\n")) == (code, "", 1)
     assert err.startswith("inertia")
     assert message in err
+
+
+def test_a_density_may_have_an_uncertainty_that_no_row_depends_on(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, CUBE, "--repeats", "1", "--density", "7850±50", "--json")
+    assert (code, err, json.loads(out)["density"]) == (0, "", 7850.0)
+    code, _, err = run(capsys, CUBE, "--density", "heavy")
+    assert (code, "'heavy' is no number of kg/m³, as 7850" in err) == (2, True)

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from inertia.errors import UsageError
@@ -36,7 +37,11 @@ def test_nobody_said_means_water() -> None:
     assert densities().of("anything") == density_of("water") == 1000.0
 
 
-@pytest.mark.parametrize("bad", [0, -1.0, math.nan, math.inf, -math.inf, "heavy", None, [1]], ids=str)
+@pytest.mark.parametrize(
+    "bad",
+    [0, -1.0, math.nan, math.inf, -math.inf, 10**400, -(10**400), "heavy", None, [1], 1j],
+    ids=lambda bad: str(bad)[:9],
+)
 def test_a_density_or_mass_is_a_positive_finite_number(bad: object) -> None:
     for arguments in ({"density": {"a": bad}}, {"density": bad}, {"mass": bad}):
         if None in arguments.values():
@@ -44,6 +49,16 @@ def test_a_density_or_mass_is_a_positive_finite_number(bad: object) -> None:
         with pytest.raises(UsageError, match=r"^(density|density of 'a'|mass) is .*kg") as e:
             densities(**arguments)
         assert e.value.exit_code == 2
+
+
+def test_bodies_go_by_their_numbers_or_by_these_as_text() -> None:
+    by_number = densities({1: 5.0, np.int64(2): 7.0}, {3: "steel", "": "ice"})
+    assert by_number == densities({"1": 5.0, "2": 7.0}, {"3": "steel", "": "ice"})
+    with pytest.raises(UsageError, match="the density of body 1 is given twice, by its number and as text"):
+        densities({1: 5.0, "1": 6.0})
+    for key in (1.5, True, None, ("a",)):
+        with pytest.raises(UsageError, match=r"the material of .* is given: name a region by its text, a body by its"):
+            densities(material={key: "steel"})
 
 
 def test_a_number_is_kept_as_a_number() -> None:
@@ -61,13 +76,19 @@ def test_a_number_is_kept_as_a_number() -> None:
         ),
         ({"density": 1.0, "mass": 2.0}, "both a mass and a density are given"),
         ({"material": "steel", "mass": 2.0}, "both a mass and a density are given"),
-        ({"density": {"a": 1.0, "": 2.0}, "mass": 2.0}, "both a mass and a density are given"),
+        ({"density": {"": 2.0}, "mass": 2.0}, "both a mass and a density are given"),
         ({"material": {"a": "unobtainium"}}, "unknown material 'unobtainium'"),
     ],
 )
 def test_a_contradiction_is_refused(arguments: dict, match: str) -> None:
     with pytest.raises(UsageError, match=match):
         densities(**arguments)
+
+
+@pytest.mark.parametrize("rest", [{"density": {"a": 5.0, "": 9.0}}, {"density": {"a": 5.0}, "material": {"": "ice"}}])
+def test_densities_are_proportions_of_a_mass_where_one_is_for_the_rest(rest: dict) -> None:
+    table = densities(**rest, mass=2.0)
+    assert (table.source, table.mass, table.of("a"), table.of("b")) == ("mass", 2.0, 5.0, densities(**rest).of("b"))
 
 
 def test_a_name_takes_its_own_density_or_the_rest() -> None:

@@ -15,6 +15,12 @@ from inertia.mass.elements import lamina, point_masses, wire
 from inertia.mass.properties import MassProperties
 
 F = Fraction
+SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+
+
+def hidden(values: list) -> np.ma.MaskedArray:
+    """Return numbers whose last one, or row, is masked."""
+    return np.ma.array(values, dtype=float, mask=np.arange(len(values)).repeat(np.size(values[0])) == len(values) - 1)
 
 
 def rotation(seed: int) -> np.ndarray:
@@ -235,18 +241,29 @@ def test_a_triangle_is_within_its_bounds_or_refused(corners: list[tuple[float, f
         (lambda: point_masses([0, 0, 0], [1]), UsageError, r"not \(3,\)"),
         (lambda: point_masses([[0, 0, 0], [1, 1]], [1, 1]), UsageError, "points must be an array of numbers"),
         (lambda: point_masses([[0, 0, np.nan]], [1]), GeometryError, "point 0 has the coordinates .*nan"),
-        (lambda: point_masses([[1e200, 0, 0], [0, 0, 0]], [1, 1]), GeometryError, "above 1.8e308"),
-        (lambda: point_masses([[1e-200, 0, 0], [0, 0, 0]], [1, 1]), GeometryError, "below 5e-324"),
+        (lambda: point_masses([[1e200, 0, 0], [0, 0, 0]], [1, 1]), GeometryError, "above 1.8e308 .*, which are in m"),
+        (lambda: point_masses([[1e-200, 0, 0], [0, 0, 0]], [1, 1]), GeometryError, "below 5e-324 .*, which are in m"),
+        (lambda: point_masses([[0, 0, 0]] * 2, [1e308, 1e308]), GeometryError, "above 1.8e308 .* masses"),
+        (lambda: point_masses([[0, 0, 0]], [10**400]), GeometryError, r"masses\[0\] is inf"),
+        (lambda: point_masses([[0, 0, 0]] * 2, hidden([1, 9])), GeometryError, r"masses\[1\] is nan"),
+        (lambda: point_masses(hidden([[0, 0, 0], [1, 1, 1]]), [1, 9]), GeometryError, "point 1 has the coordinates"),
+        (lambda: point_masses(np.array([[0, 0, 1j]]), [1]), UsageError, "points must be an array of numbers"),
+        (lambda: wire([[0, 0, 0], [1, 0, 0]], "thick"), UsageError, "linear_density is 'thick': it must be a number"),
+        (lambda: wire([[0, 0, 0], [1, 0, 0]], 10**400), UsageError, "linear_density is inf kg/m"),
+        (lambda: lamina([[0, 0], [1, 0], [0, 1]], None), UsageError, "areal_density is None: it must be a number"),
+        (lambda: lamina(1e200 * SQUARE, 1.0), GeometryError, "above 1.8e308 .*, which are in m"),
+        (lambda: lamina(1e-170 * SQUARE, 1.0), GeometryError, "below 5e-324 .*, which are in m"),
+        (lambda: lamina(1.7e308 * (2 * SQUARE - 1), 1.0), GeometryError, "above 1.8e308"),
         (lambda: wire([[0, 0, 0]], 1.0), UsageError, r"n at least 2, not \(1, 3\)"),
         (lambda: wire([[0, 0, 0], [0, np.inf, 0]], 1.0), GeometryError, "point 1 has the coordinates"),
-        (lambda: wire([[0, 0, 0], [1, 0, 0]], 0.0), UsageError, "linear_density is 0.0 kg/m: it must be positive"),
+        (lambda: wire([[0, 0, 0], [1, 0, 0]], 0.0), UsageError, "linear_density is 0 kg/m: it must be positive"),
         (lambda: wire([[0, 0, 0], [1, 0, 0]], math.nan), UsageError, "linear_density is nan"),
-        (lambda: wire([[1, 1, 1], [1, 1, 1]], 1.0), GeometryError, "the mass, 0 kg, is not above"),
+        (lambda: wire([[1, 1, 1], [1, 1, 1]], 1.0), GeometryError, "the wire has no length: .* in one place"),
         (lambda: lamina([[0, 0], [1, 0]], 1.0), UsageError, "n at least 3"),
-        (lambda: lamina([[0, 0], [1, 0], [2, 0]], 1.0), GeometryError, "encloses an area of 0 m²"),
-        (lambda: lamina([[1, 1], [1, 1], [1, 1]], 1.0), GeometryError, "encloses an area of 0 m²"),
-        (lambda: lamina([[0, 0], [1, 1], [1, 0], [0, 1]], 1.0), GeometryError, "encloses an area of 0 m²"),
-        (lambda: lamina([[0, 0], [1, 0], [0, 1]], -1.0), UsageError, "areal_density is -1.0 kg/m²"),
+        (lambda: lamina([[0, 0], [1, 0], [2, 0]], 1.0), GeometryError, "encloses no area"),
+        (lambda: lamina([[1, 1], [1, 1], [1, 1]], 1.0), GeometryError, "encloses no area"),
+        (lambda: lamina([[0, 0], [1, 1], [1, 0], [0, 1]], 1.0), GeometryError, "encloses no area"),
+        (lambda: lamina([[0, 0], [1, 0], [0, 1]], -1.0), UsageError, "areal_density is -1 kg/m²"),
         (lambda: lamina([[0, 0], [1, 0], [0, np.nan]], 1.0), GeometryError, "point 2 has the coordinates"),
         (
             lambda: lamina([[0, 0, 0], [1, 0, 0], [1, 1, 0.5], [0, 1, 0]], 1.0),
@@ -259,6 +276,15 @@ def test_what_is_no_body_is_refused(call: object, kind: type[InertiaError], matc
     with pytest.raises(kind, match=match) as e:
         call()
     assert e.value.exit_code == {UsageError: 2, GeometryError: 4}[kind]
+
+
+@pytest.mark.parametrize("size", [2.0**-250, 2.0**250])
+def test_laminae_whose_areas_squared_leave_float64_have_all_digits(size: float) -> None:
+    small = lamina(size * SQUARE, 1.0)
+    assert small.mass == size**2
+    assert small.inertia[2, 2] == pytest.approx(size**4 / 6, rel=1e-15)
+    with pytest.raises(GeometryError, match="the outline crosses itself"):
+        lamina(size * np.array([[0, 0], [2, 0], [2, 2], [1, -1], [0, 2]]), 1.0)
 
 
 @pytest.mark.parametrize(("lift", "fits"), [(3.9e-9, True), (4.1e-9, False)])

@@ -228,6 +228,15 @@ class TestOrientation:
         np.testing.assert_array_equal(result.properties.inertia, inertia.mass_properties(outward).inertia)
         assert result.notes == ("1 of 1 shells turned, as absolute orientation was asked for",)
 
+    def test_one_shell_that_faces_inward_is_refused_as_it_is_found_without_a_whole_check(self, monkeypatch):
+        part = surface(flipped(cube()))
+        finding = inertia.check(part).findings[0]
+        monkeypatch.setattr("inertia.mesh.check.check", lambda *_, **__: pytest.fail("checked"))
+        with pytest.raises(GeometryError) as refused:
+            inertia.analyse(part)
+        assert str(refused.value).endswith(str(finding.message))
+        assert refused.value.code == finding.code == "inward"
+
     @pytest.mark.parametrize("count", [900, 1100, 5000])
     def test_an_inward_surface_of_any_size_is_turned(self, count):
         vertices, faces = wavy_torus(count)

@@ -198,6 +198,7 @@ def test_meshes_of_any_sizes_one_after_another_are_answered_as_apart() -> None:
         ([], []),
         ([0, 4, 8], [0, 8]),
         ([0, 4], [0, 4], [0, 4]),
+        3,
     ],
     ids=str,
 )

@@ -152,6 +152,13 @@ def test_with_no_tolerance_only_equal_bits_are_equal() -> None:
     assert principal(np.diag([1.0, 2.0, np.nextafter(2.0, 3.0)]), 0.0).kind == "asymmetric"
 
 
+@pytest.mark.parametrize("tolerance", [-1, 1.0, np.nan, np.inf, "1e-6", None, True], ids=str)
+def test_a_tolerance_is_a_part_of_the_largest_moment(tolerance: object) -> None:
+    for call in (principal, lambda it, tol: MassProperties(1, 1, [0, 0, 0], it).principal_within(tol)):
+        with pytest.raises(UsageError, match=r"^the class tolerance is .*: it must be at least 0 and below 1"):
+            call(np.eye(3), tolerance)
+
+
 @pytest.mark.parametrize(("moments", "own"), [([2.0, 2.0, 3.0], 2), ([1.0, 2.0, 2.0], 0)], ids=["oblate", "prolate"])
 def test_axes_of_equal_moments_lie_nearest_to_the_coordinates(moments: list[float], own: int) -> None:
     """About z the others are x and y themselves; about a tilted axis one of them is the nearest coordinate's shadow."""

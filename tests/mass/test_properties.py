@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from tests.mass.spectra import eigenvalues
 from tests.mesh.solids import box, cube, joined, part, sphere
 
-from inertia import mass_properties
+from inertia import export, mass_properties
 from inertia.errors import GeometryError, UsageError
+from inertia.estimate import float_of
 from inertia.mass.moments import Moments
 from inertia.mass.properties import ErrorBound, MassProperties
 from inertia.mass.triangles.exact import exact_moments
@@ -154,9 +155,11 @@ def test_no_volume_is_a_volume() -> None:
 # What is refused
 
 
-@pytest.mark.parametrize("mass", [0.0, -1.0, math.inf, math.nan], ids=str)
+@pytest.mark.parametrize("mass", [0.0, -1.0, math.inf, math.nan, 10**400], ids=lambda mass: f"{float_of(mass)}")
 def test_a_mass_is_positive_and_finite(mass: float) -> None:
-    with pytest.raises(GeometryError, match=f"^the mass is {mass:.6g} kg: it must be positive and finite") as e:
+    with pytest.raises(
+        GeometryError, match=f"^the mass is {float_of(mass):.6g} kg: it must be positive and finite"
+    ) as e:
         MassProperties(mass, 1.0, [0, 0, 0], np.eye(3))
     assert e.value.exit_code == 4
     with pytest.raises(UsageError, match=r"^mass is .* kg: it must be positive and finite") as e:
@@ -164,8 +167,14 @@ def test_a_mass_is_positive_and_finite(mass: float) -> None:
     assert e.value.exit_code == 2
 
 
-@pytest.mark.parametrize("value", [True, "two", None], ids=str)
+@pytest.mark.parametrize("value", [True, "two", None, 2j], ids=str)
 def test_what_is_no_number_is_no_mass(value: object) -> None:
+    for call in (
+        lambda: MassProperties(value, 1.0, [0, 0, 0], np.eye(3)),
+        lambda: MassProperties(1.0, value, [0, 0, 0], np.eye(3)),
+    ):
+        with pytest.raises(UsageError, match=r"^(mass|volume) is .*: it must be a number of (kg|m³)$"):
+            call()
     with pytest.raises(UsageError, match=r"^mass is .*: it must be a number of kg$"):
         MassProperties(1.0, 1.0, [0, 0, 0], np.eye(3)).with_mass(value)
 
@@ -218,6 +227,40 @@ def test_a_tensor_is_physical_within_its_own_error() -> None:
     with pytest.raises(GeometryError, match="triangle rule"):
         MassProperties(1.0, 1.0, [0, 0, 0], tensor)
     assert MassProperties(1.0, 1.0, [0, 0, 0], tensor, ErrorBound("given", 0, 0, 0, 1e-3)).mass == 1.0
+
+
+@pytest.mark.parametrize("scale", [1e-250, 1.0, 1e300])
+@pytest.mark.parametrize("apart", [2.0**-52, 1e-9, 1e-7, 1e-6])
+def test_mirrored_elements_that_rounding_set_apart_are_their_mean_and_all_verbs_take_it(
+    apart: float, scale: float
+) -> None:
+    """What is farther from the mean than the stated bound says cannot be the tensor, so that the bound covers it."""
+    tensor = scale * np.array([[1.0, 0.2, 0.0], [0.2, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    tensor[1, 0] += apart * scale
+    body = MassProperties(1.0, 1.0, [0, 0, 0], tensor)
+    assert body.inertia.tolist() == ((tensor / 2) + (tensor / 2).T).tolist()
+    off = np.linalg.norm((body.inertia - tensor) / scale) / np.linalg.norm(body.inertia / scale)
+    assert off <= body.error.inertia <= off * (1 + 1e-9)
+    assert body.principal_moments / scale == pytest.approx([0.8, 1.0, 1.2], rel=2 * apart)
+    assert (body + body).inertia.tolist() == (2 * body.inertia).tolist()
+    assert body.about([0, 0, 0]).tolist() == body.expressed_in(np.eye(3)).inertia.tolist() == body.inertia.tolist()
+    wide = MassProperties(1.0, 1.0, [0, 0, 0], tensor, ErrorBound("measured", 0, 0, 0, 0.1))
+    assert wide.error.inertia == pytest.approx(0.1, rel=1e-9)
+    assert "kg" in body._repr_html_()
+
+
+def test_a_tensor_of_single_precision_is_a_body() -> None:
+    turned = rotation(3).astype(np.float32)
+    tensor = turned @ np.diag([1.0, 2.0, 2.5]).astype(np.float32) @ turned.T
+    assert not np.array_equal(tensor, tensor.T)
+    body = MassProperties(1.0, 1.0, [0, 0, 0], tensor)
+    assert body.principal_moments == pytest.approx([1.0, 2.0, 2.5], rel=1e-6)
+    assert export(body, "urdf")
+
+
+def test_an_error_is_one() -> None:
+    with pytest.raises(UsageError, match=r"error is a NoneType, not a ErrorBound: give what inertia.ErrorBound"):
+        MassProperties(1.0, 1.0, [0, 0, 0], np.eye(3), None)
 
 
 def test_the_arrays_are_copies_and_stay_as_they_are() -> None:
@@ -319,20 +362,30 @@ def test_bodies_of_different_densities_are_an_assembly() -> None:
     "body", [of_box((0, 0, 0), (1, 2, 3)), MassProperties(2.0, 1.0, [1, 2, 3], np.eye(3))], ids=["box", "given"]
 )
 def test_a_body_cut_out_of_itself_leaves_nothing(body: MassProperties) -> None:
-    with pytest.raises(GeometryError, match="the mass, 0 kg, is not above its error bound") as e:
+    with pytest.raises(GeometryError, match=r"nothing is left of (.*) kg where .* kg are cut out: subtract") as e:
         _ = body - body
     assert e.value.exit_code == 4
 
 
 def test_cutting_out_more_than_there_is_is_refused() -> None:
     small, large = of_box((0, 0, 0), (1, 1, 1), 8), of_box((0, 0, 0), (2, 2, 2), 2)
-    with pytest.raises(GeometryError, match="the mass, -8 kg"):
+    with pytest.raises(GeometryError, match="nothing is left of 8 kg where 16 kg are cut out"):
         _ = small - of_box((0, 0, 0), (2, 2, 2), 2)
     heavier = of_box((0, 0, 0), (1, 1, 1), 100)
     with pytest.raises(GeometryError, match="the volume, -7 m³, is not above its error bound"):
         _ = heavier - large
     with pytest.raises(GeometryError, match="the inertia tensor is not physical"):
         _ = of_box((0, 0, 0), (1, 1, 1), 8) - MassProperties(1.0, 0.0, [50, 0, 0], np.zeros((3, 3)))
+
+
+def test_the_sum_of_a_list_is_an_assembly_and_nothing_but_zero_is_no_body() -> None:
+    bodies = [of_box((k, 0, 0), (k + 1, 1, 1)) for k in range(0, 6, 2)]
+    whole = sum(bodies)
+    assert isinstance(whole, MassProperties)
+    assert whole.inertia.tolist() == (bodies[0] + bodies[1] + bodies[2]).inertia.tolist()
+    for other in (1, False, None):
+        with pytest.raises(UsageError, match="mass properties combine with mass properties, not with"):
+            _ = other + bodies[0]
 
 
 @pytest.mark.parametrize("other", [0, None, np.eye(3), "body"], ids=["0", "None", "array", "text"])

@@ -1,16 +1,20 @@
 """Shifting, re-expressing and judging tensors, against sums over point masses."""
 
+import re
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from inertia.errors import UsageError
 from inertia.mass.principal import principal
 from inertia.mass.tensor import VALIDITY_TOLERANCE, array_of, faults, point_inertia, reexpress, rotation_of, steiner
 
+_MASKED = np.ma.array(np.eye(3), mask=np.eye(3) == 1)
+_COMPLEX = np.array([[2, 1j, 0], [1j, 2, 0], [0, 0, 2]])
 SCALES = [1e-30, 1.0, 1e30]
 seeds = st.integers(0, 2**32 - 1)
 
@@ -98,6 +102,7 @@ def test_a_rotation_is_taken_just_inside_its_limit_and_refused_just_outside(size
         (np.diag([1.0, 1, -1]), "left-handed"),
         (-np.eye(3), "left-handed"),
         (2 * np.eye(3), "off orthonormal by 3"),
+        (rotation(5).astype(np.float32), "limit is 1e-9: give more digits, or, .* Rotation.from_matrix of scipy"),
         (np.zeros((3, 3)), "off orthonormal by 1"),
         (np.eye(2), r"rotation must have shape \(3, 3\), not \(2, 2\)"),
         (np.full((3, 3), np.nan), "rotation holds a value that is not finite"),
@@ -123,7 +128,9 @@ def test_what_is_no_rotation_is_refused(value: object, match: str) -> None:
         lambda bad: reexpress(bad, np.eye(3)),
     ],
 )
-@pytest.mark.parametrize("bad", [[1, 2], [[1, 2, np.inf]] * 3, [1, np.nan, 2], "abc", None, [[1], [2, 3], 4]], ids=str)
+@pytest.mark.parametrize(
+    "bad", [[1, 2], [[1, 2, np.inf]] * 3, [1, np.nan, 2], "abc", None, [[1], [2, 3], 4], _MASKED, _COMPLEX], ids=str
+)
 def test_what_is_no_array_of_the_shape_is_refused(call: Callable[[object], object], bad: object) -> None:
     with pytest.raises(UsageError):
         call(bad)
@@ -140,6 +147,34 @@ def test_a_tensor_whose_mirrored_elements_differ_is_refused(call: Callable[[obje
     tensor[0, 1] = -tensor[1, 0]
     with pytest.raises(UsageError, match=r"not symmetric: -\S+ at \[0\]\[1\] and \S+ at \[1\]\[0\]"):
         call(tensor)
+
+
+def test_elements_that_differ_in_their_last_digits_are_shown_with_them_and_the_remedy_helps() -> None:
+    turned = rotation(3).astype(np.float32)
+    tensor = turned @ np.diag([1.0, 2.0, 2.5]).astype(np.float32) @ turned.T
+    with pytest.raises(
+        UsageError, match=r"differ by \d\S*e-0\d, the limit is 1e-09 of the largest .*\(J \+ J.T\)/2"
+    ) as e:
+        principal(tensor)
+    here, there = re.findall(r"(\S+) at ", str(e.value))
+    assert here != there
+    assert principal((tensor + tensor.T) / 2).moments == pytest.approx([1.0, 2.0, 2.5], rel=1e-6)
+
+
+def test_the_rotation_nearest_to_one_of_few_digits_is_taken() -> None:
+    rounded = rotation(5).astype(np.float32)
+    assert rotation_of(Rotation.from_matrix(rounded)) == pytest.approx(rounded, abs=1e-7)
+
+
+@pytest.mark.parametrize("mass", [-2.0, 0.0, np.nan, np.inf, 10**400, "heavy", None, True])
+def test_a_mass_that_is_none_shifts_nothing(mass: object) -> None:
+    with pytest.raises(UsageError, match=r"mass is .*: it must be (positive and finite|a number of kg)"):
+        steiner(np.eye(3), mass, [0, 0, 0], about=[0, 0, 0], to=[0, 0, 3])
+
+
+def test_a_shift_beyond_float64_is_refused() -> None:
+    with pytest.raises(UsageError, match=r"about .* \[0.0, 0.0, 1e\+200\] is above 1.8e308: name nearer points"):
+        steiner(np.eye(3), 1.0, [0, 0, 0], about=[0, 0, 0], to=[0, 0, 1e200])
 
 
 def test_an_array_is_a_copy() -> None:

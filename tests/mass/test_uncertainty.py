@@ -232,10 +232,12 @@ def test_what_is_certain_has_no_uncertainty() -> None:
 
 def test_refusals_say_what_to_give_instead() -> None:
     part = two_boxes()
-    with pytest.raises(UsageError, match="sigma is 0"):
-        inertia.analyse(part, sigma=0)
-    with pytest.raises(UsageError, match="1 with an uncertainty"):
-        inertia.analyse(part, scale=1.02)
+    for sigma in (0, True, "0.1"):
+        with pytest.raises(UsageError, match=r"sigma is .* it must be positive and finite"):
+            inertia.analyse(part, sigma=sigma)
+    for scale in (1.02, "1", True):
+        with pytest.raises(UsageError, match="1 with an uncertainty"):
+            inertia.analyse(part, scale=scale)
     with pytest.raises(UsageError, match="no input is uncertain"):
         inertia.analyse(part, coverage=2)
     made = replace(part, chord=np.full(part.triangles.count, 0.01))
@@ -296,6 +298,25 @@ def test_what_leaves_float64_is_refused(size: float) -> None:
     part = Part.from_arrays(vertices * size, faces)
     with pytest.raises(GeometryError, match="covariances leave float64"):
         inertia.analyse(part, Estimate(1, 0.1))
+
+
+@pytest.mark.parametrize(
+    "inputs",
+    [{"sigma": 1e160}, {"sigma": 1e300}, {"density": Estimate(10.0, 1e200)}, {"scale": Estimate(1, 1e160)}],
+    ids=str,
+)
+def test_uncertainties_beyond_float64_are_said_to_be_so(inputs: dict) -> None:
+    with (
+        np.errstate(over="raise"),
+        pytest.raises(UsageError, match=r"uncertainties of the inputs lead .* above 1.8e308"),
+    ):
+        inertia.analyse(two_boxes(), **inputs)
+
+
+def test_an_input_that_is_not_uncertain_contributes_nothing_that_can_be_asked_for() -> None:
+    u = inertia.analyse(two_boxes(), Estimate(10, 1)).uncertainty
+    with pytest.raises(UsageError, match=r"no input 'vertices' is uncertain: use one of 'density'"):
+        u.of("vertices")
 
 
 def test_the_results_themselves_do_not_change() -> None:

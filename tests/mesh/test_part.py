@@ -105,3 +105,21 @@ def test_whole_numbers_are_faces_whatever_their_type() -> None:
         assert np.array_equal(Part.from_arrays(CORNERS, faces).triangles.faces, TRIANGLES)  # type: ignore[union-attr]
     with pytest.raises(GeometryError, match="names vertex 9223372036854775807, but the vertices are 0 to"):
         Part.from_arrays(CORNERS, TRIANGLES.astype(np.uint64) + np.uint64(2**63))
+
+
+def test_masked_numbers_are_no_coordinates() -> None:
+    """Whose values numpy keeps beneath the mask."""
+    vertices, faces = np.ma.array(np.eye(4)[:, :3], mask=np.arange(12).reshape(4, 3) == 7), [[0, 2, 1]]
+    with pytest.raises(UsageError, match=r"vertices: row 2 has masked numbers: leave out what is masked"):
+        Part.from_arrays(vertices, faces)
+    with pytest.raises(UsageError, match="faces: row 0 has masked numbers"):
+        Part.from_arrays(np.eye(3), np.ma.array(faces, mask=[[False, True, False]]))
+    assert Part.from_arrays(np.ma.array(np.eye(3)), faces).triangles.count == 1
+
+
+@pytest.mark.parametrize(
+    ("vertices", "words"), [(1.0, r"not \(\)"), (np.empty((0, 3)), "vertex 0, but there are none")]
+)
+def test_a_number_or_nothing_for_vertices_is_named_as_it_is(vertices: object, words: str) -> None:
+    with pytest.raises((UsageError, GeometryError), match=words):
+        Part.from_arrays(vertices, [[0, 2, 1]])  # type: ignore[arg-type]

@@ -41,6 +41,15 @@ def test_a_run_with_a_hole_is_refused(handle: Run, tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("subject", [None, "run.rrd", 5], ids=str)
+def test_what_nothing_returned_is_not_recorded(subject: object, handle: Run, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"^subject is a \w+: give what inertia.simulate, inertia.balance or"):
+        record(subject, tmp_path / "run.rrd")
+    if subject is not None:
+        with pytest.raises(UsageError, match=r"^other is a \w+, not a Run: give what inertia.simulate"):
+            record(handle, tmp_path / "run.rrd", other=subject)
+
+
 def test_there_must_be_somewhere_to_record_to(handle: Run) -> None:
     with pytest.raises(UsageError, match="there is nowhere to record to"):
         record(handle)

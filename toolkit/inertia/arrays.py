@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 from itertools import pairwise
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, TypeGuard, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from inertia.estimate import float_of
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
@@ -25,6 +28,30 @@ def of_rotation(value: Any, size: int) -> Any:
     if hasattr(value, "as_quat") and size in (3, 4):
         return value.as_quat() if size == 4 else value.as_matrix()
     return value
+
+
+def is_masked(value: object) -> TypeGuard[np.ma.MaskedArray[Any, Any]]:
+    """Say whether something is an array with a mask, without importing what makes such arrays."""
+    return "numpy.ma" in sys.modules and isinstance(value, np.ma.MaskedArray)
+
+
+def reals(value: Any) -> Float:
+    """Return numbers as float64: what is masked as not a number, what is beyond float64 as infinite.
+
+    Raises `TypeError` or `ValueError` for what are no real numbers, complex ones too.
+
+    >>> reals(np.ma.array([1, 2], mask=[False, True])).tolist(), reals([10**400]).tolist()
+    ([1.0, nan], [inf])
+    """
+    masked = is_masked(value)
+    array = value if masked else np.asarray(value)
+    if array.dtype.kind == "c":
+        raise TypeError("complex numbers are no real ones")
+    try:
+        numbers = array.astype(np.float64, copy=False)
+    except OverflowError:
+        numbers = np.array([float_of(each) for each in array.flat]).reshape(array.shape)
+    return np.ma.filled(numbers, np.nan) if masked else numbers
 
 
 Progress = Callable[[float], None]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Self
+from numbers import Real
+from typing import Any, Self
 
 from inertia.errors import UsageError
 
@@ -34,17 +35,22 @@ class Estimate(float):
     uncertainty: float
 
     def __new__(cls, value: float, uncertainty: float = 0.0) -> Self:
-        """Make one; raise `UsageError` where the uncertainty is none."""
-        estimate = super().__new__(cls, value)
-        if not 0 <= uncertainty < math.inf:
+        """Make one; raise `UsageError` where either is no number, or the uncertainty none of any."""
+        if not is_number(value):
+            raise UsageError(f"an estimate is {value!r}: it must be a number; Estimate.parse reads text")
+        estimate = super().__new__(cls, float_of(value))
+        if not (is_number(uncertainty) and 0 <= float_of(uncertainty) < math.inf):
             raise UsageError(f"a standard uncertainty is {uncertainty!r}: it must be finite and not negative")
         estimate.uncertainty = float(uncertainty)
         return estimate
 
     @classmethod
     def parse(cls, text: str) -> Self:
-        """Read ``7850``, ``7850±50``, ``7850+-50``, ``7850 +/- 50`` or ``7850±0.6%``; raise `UsageError` for others."""
-        number, sign, after = (_SIGN.sub("±", text.strip(), count=1)).partition("±")
+        """Read ``7850``, ``7850±50``, ``7850+-50``, ``7850 +/- 50`` or ``7850±0.6%``; raise `UsageError` for others.
+
+        Whoever takes the number judges its size, and whether it is finite: ``inf`` is one as for Python.
+        """
+        number, sign, after = (_SIGN.sub("±", str(text).strip(), count=1)).partition("±")
         try:
             value = float(number)
             share = after.endswith("%")
@@ -62,6 +68,27 @@ class Estimate(float):
     def __getnewargs__(self) -> tuple[float, float]:  # type: ignore[override]  # so that copies keep the uncertainty
         """Return what a copy is made of."""
         return float(self), self.uncertainty
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value is a number, of Python or numpy: neither text, nor true or false, nor complex.
+
+    >>> is_number(2), is_number("2"), is_number(True), is_number(2j)
+    (True, False, False, False)
+    """
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def float_of(value: Any) -> float:
+    """Return a number as float64, infinite where it is beyond that.
+
+    >>> float_of(10**400), float_of(-(10**400))
+    (inf, -inf)
+    """
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
 
 
 def relative_figure(text: str) -> float:

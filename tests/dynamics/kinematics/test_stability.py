@@ -85,6 +85,18 @@ def test_energy_lies_between_its_bounds_and_reaches_them_on_the_axes(
     assert energy_bounds(moments, moments[greatest] * 3)[1] == pytest.approx(4.5 * moments[greatest], rel=1e-15)
 
 
+@pytest.mark.parametrize("bad", [np.nan, np.inf, "fast", None, np.ma.masked_all(2), 1j], ids=str)
+def test_speeds_and_momenta_are_finite_numbers(bad: object) -> None:
+    for call in (growth_rate, wobble_frequencies, energy_bounds):
+        with pytest.raises(UsageError, match=r"^(speed|momentum) (must be a number|holds a value that is not finite)"):
+            call([1, 2, 3], bad)
+
+
+def test_a_momentum_is_a_size() -> None:
+    with pytest.raises(UsageError, match=r"momentum is -1 kg m²/s: it is a size, \|L\|, and not negative"):
+        energy_bounds([1, 2, 3], [1.0, -1.0])
+
+
 def exact_distance(moments: list[float], omega: list[float]) -> Fraction:
     i, w = [Fraction(m) for m in moments], [Fraction(x) for x in omega]
     square = sum(m * m * x * x for m, x in zip(i, w, strict=True))

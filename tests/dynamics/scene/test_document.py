@@ -63,6 +63,7 @@ def test_what_the_moments_are_uncertain_by_is_noted() -> None:
     plain = scene(body={"part": part, "unit": "mm", "density": 7850})
     hundredths = ", ".join(f"{0.01 * k:.2g}" for k in plain.body.principal.moments.tolist())
     assert f"standard uncertainties of {hundredths} kg m², for those of density;" in note
+    assert note.endswith("; a single motion is that of the moments as they are")  # draws of an ensemble are not
     noisy = scene(body={"part": part, "unit": "mm", "mass": "0.05±0.001", "sigma": 0.02})
     assert any("for those of vertices and mass" in k for k in noisy.body.notes)
     assert example.body.inertia.tolist() == plain.body.inertia.tolist()

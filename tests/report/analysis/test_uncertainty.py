@@ -37,6 +37,25 @@ def test_the_tensor_about_a_point_has_its_own_uncertainty() -> None:
     stated = analysis_document(analysis)["inertia_about"]["uncertainty"]
     assert stated == analysis.uncertainty.about([0.01, 0, 0]).tolist()
     assert stated[1][1] > analysis.uncertainty.inertia[1, 1]
+    text = analysis_text(cone(about=(10, 0, 0), coverage=2))
+    for k in (1, 2):
+        shown = ", ".join(f"{k * stated[i][j]:.2g}" for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
+        assert f"about the point {shown} kg m²," in text
+
+
+def test_a_notebook_shows_them_too() -> None:
+    analysis = cone(about=(10, 0, 0), coverage=2)
+    page, u = analysis._repr_html_(), analysis.uncertainty
+    for text in (
+        "vertices 2e-05 m a coordinate, density 50 kg/m³",
+        f"mass {u.mass:.2g} kg",
+        f"mass {2 * u.mass:.2g} kg",
+        "U, k = 2",
+        "About 10, 0, 0 mm",
+        f"{analysis.about[1][1, 1]:.10g}",
+        f"{analysis.about_uncertainty[1, 1]:.2g}",
+    ):
+        assert text in page
 
 
 def test_nothing_is_said_where_nothing_is_uncertain() -> None:
@@ -68,6 +87,9 @@ def test_the_command_reads_numbers_with_their_uncertainty(sign: str, capsys: pyt
         (["--scale", "1.02±0.001"], "coordinates are taken as stored"),
         (["--sigma", "nan"], "sigma is nan mm"),
         (["--coverage", "2"], "no input is uncertain"),
+        (["--coverage", "95%"], "'95%' is no number, as 2, for about 95 %"),
+        (["--sigma", "0.02±0.01"], "'0.02±0.01' is no number, as 0.02"),
+        (["--sigma", "1e150", "--unit", "km"], "the standard uncertainties of the inputs lead to variances above"),
     ],
 )
 def test_what_is_no_uncertainty_is_refused(arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from inertia.arrays import Float, of_rotation
+from inertia.arrays import Float, of_rotation, reals
 from inertia.errors import GeometryError, UsageError
 
 
@@ -31,7 +31,7 @@ def vectors(value: ArrayLike, name: str, size: int = 3) -> Float:
     [1.0, 2.0, 3.0]
     """
     try:
-        array = np.asarray(of_rotation(value, size), dtype=np.float64)
+        array = reals(of_rotation(value, size))
     except (TypeError, ValueError):
         raise UsageError(f"{name} must be numbers of shape (…, {size})") from None
     if array.ndim == 0 or array.shape[-1] != size:

@@ -10,7 +10,7 @@ from inertia.documents import FieldError
 from inertia.dynamics.models.catalogue import MODELS
 from inertia.dynamics.models.model import SHARE, Candidate, Model, Problem, angle_text
 from inertia.dynamics.scene.document import Scene
-from inertia.errors import FieldPath, placed
+from inertia.errors import FieldPath, placed, require_kind
 from inertia.records import dataclass
 
 
@@ -71,6 +71,7 @@ def plan(scene: Scene) -> Plan:
     >>> plan(scene).model
     'symmetric top'
     """
+    require_kind(scene, Scene, "scene", "inertia.Scene.load(path)")
     problem = Problem.of(scene)
     why = problem.why
     try:

@@ -11,7 +11,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from fractions import Fraction
-from numbers import Real
 from operator import itemgetter
 from typing import TYPE_CHECKING, Literal
 
@@ -27,11 +26,11 @@ from inertia.errors import (
     require_kind,
     reworded,
 )
-from inertia.estimate import uncertainty_of, written
+from inertia.estimate import is_number, uncertainty_of, written
 from inertia.mass.density import Densities, densities
 from inertia.mass.integration import Integral, cell_integrals, surface_integrals, wire_integrals
 from inertia.mass.moments import dyadic
-from inertia.mass.principal import CLASS_TOLERANCE
+from inertia.mass.principal import CLASS_TOLERANCE, require_tolerance
 from inertia.mass.properties import MassProperties
 from inertia.mass.small import small_properties
 from inertia.mass.tensor import exact_point
@@ -202,8 +201,8 @@ def analyse(
     cells = isinstance(part.geometry, Cells)
     exact = not cells and wire is None and shell is None and (tessellated or part.shape is None)
     _require_accuracy(accuracy, exact=exact)
-    if class_tolerance is not None and not 0 <= class_tolerance < 1:
-        raise UsageError(f"the class tolerance is {class_tolerance!r}: it must be at least 0 and below 1")
+    if class_tolerance is not None:
+        require_tolerance(class_tolerance)
     point = None if about is None else exact_point(about, "about")
     if orientation not in ("stored", "absolute"):
         raise UsageError(f"orientation is {orientation!r}: use 'stored' or 'absolute'")
@@ -218,6 +217,8 @@ def analyse(
 
     if chord is not None and (shell is not None or wire is not None or isinstance(part.geometry, Cells)):
         raise UsageError("a chord tolerance bounds the error of the surface of a solid only: leave it out")
+    if chord is not None and not (is_number(chord) and 0 < chord < math.inf):
+        raise UsageError(f"the chord tolerance is {chord!r}: it must be positive and finite")
     _require_uncertain(part, sigma, scale, coverage)
     if union:
         if shell is not None or wire is not None or isinstance(part.geometry, Cells):
@@ -564,7 +565,7 @@ def _require_accuracy(accuracy: Accuracy, *, exact: bool) -> None:
     """Raise `UsageError` for what is no accuracy; `exact` says whether there is an exact answer to ask for."""
     if accuracy is None or accuracy == "exact":
         return
-    if not isinstance(accuracy, Real) or not 0 < accuracy < math.inf:
+    if not is_number(accuracy) or not 0 < accuracy < math.inf:
         raise UsageError(f"accuracy is {accuracy!r}: give a positive relative figure such as 1e-12, or 'exact'")
     if accuracy < FINEST:
         raise UsageError(
@@ -575,22 +576,23 @@ def _require_accuracy(accuracy: Accuracy, *, exact: bool) -> None:
 
 def _require_uncertain(part: Part, sigma: float | None, scale: float | None, coverage: float | None) -> None:
     """Raise `UsageError` where what is said to be uncertain cannot be."""
-    if sigma is not None and not (isinstance(sigma, Real) and 0 < sigma < math.inf):
+    if sigma is not None and not (is_number(sigma) and 0 < sigma < math.inf):
         raise UsageError(f"sigma is {written(sigma)} {part.unit.name}: it must be positive and finite")
     if sigma is not None and (part.shape is not None or part.chord is not None):
         raise UsageError(
             f"the vertices of {part.name} were made from its true shape when it was read, and have no noise of their "
             "own: give the uncertainty of its scale, density or mass"
         )
-    if scale is not None and scale != 1:
+    if scale is not None and (not is_number(scale) or scale != 1):
         raise UsageError(
-            f"the scale is {scale:g}: coordinates are taken as stored, so that it is 1 with an uncertainty, as 1±0.001"
+            f"the scale is {written(scale)}: coordinates are taken as stored, so that it is 1 with an uncertainty, as "
+            "1±0.001"
         )
-    if coverage is not None and not (isinstance(coverage, Real) and 0 < coverage < math.inf):
+    if coverage is not None and not (is_number(coverage) and 0 < coverage < math.inf):
         raise UsageError(f"the coverage factor is {written(coverage)}: it must be positive and finite, as 2")
 
 
 def _length(value: float, name: str, unit: str) -> Fraction:
-    if not (isinstance(value, Real) and 0 < value < math.inf):
+    if not (is_number(value) and 0 < value < math.inf):
         raise UsageError(f"the {name} is {written(value)} {unit}: it must be positive and finite")
     return Fraction(float(value))

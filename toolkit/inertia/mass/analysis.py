@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import field
+from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -12,7 +13,7 @@ from inertia.errors import (
     GeometryError,
 )
 from inertia.mass.density import DensityFrom
-from inertia.mass.integrand import Integrand
+from inertia.mass.integrand import ELEMENTS, Integrand
 from inertia.mass.integration import TrueShape
 from inertia.mass.principal import Principal
 from inertia.mass.properties import ErrorBound, MassProperties
@@ -109,6 +110,13 @@ class Analysis:
         """Principal moments and axes, those within `class_tolerance` of each other counting as equal."""
         return self.properties.principal_within(self.class_tolerance)
 
+    @property
+    def about_uncertainty(self) -> Float | None:
+        """Standard uncertainties (3, 3) kg m² of the tensor about the point; None where either was not asked for."""
+        if self.about is None or self.uncertainty is None:
+            return None
+        return self.uncertainty.about([Fraction(k) * self.part.unit.metres for k in self.about[0]])
+
     def plot(self, ax: Axes | None = None) -> Figure:
         """Draw the part, in m, and in it the ellipsoid of the same mass and moments, and return the figure.
 
@@ -135,7 +143,23 @@ class Analysis:
             ("Density", f"{density}{', assumed' if self.density_from == 'assumed' else ''}"),
             ("Mesh", f"{self.triangles or self.cells} {'triangles' if self.triangles else 'cells'}, {self.model}"),
             *self.properties.rows(),
+            *self._about_rows(),
+            *(() if self.uncertainty is None else self.uncertainty.rows()),
             *(("Doubt", str(doubt.message)) for doubt in self.doubts),
             *(("Note", note) for note in self.notes),
         ]
         return html_of(rows, ellipsoid_svg(self.properties.equivalent_ellipsoid, self.principal.axes))
+
+    def _about_rows(self) -> list[tuple[str, str]]:
+        if self.about is None:
+            return []
+        point, tensor = self.about
+        where = f"{', '.join(f'{k:g}' for k in point)} {self.part.unit.name}"
+        rows = [(f"About {where}", f"{_elements(tensor, '.10g')} kg m² (xx, yy, zz, xy, xz, yz)")]
+        if (u := self.about_uncertainty) is not None:
+            rows.append(("u about it", f"{_elements(u, '.2g')} kg m²"))
+        return rows
+
+
+def _elements(tensor: Float, form: str) -> str:
+    return ", ".join(f"{tensor[i, j]:{form}}" for i, j in ELEMENTS)

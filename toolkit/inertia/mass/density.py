@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from difflib import get_close_matches
+from numbers import Integral
 from typing import Literal, TypeVar
 
 from inertia.errors import UsageError
-from inertia.estimate import Estimate
+from inertia.estimate import Estimate, float_of
 from inertia.records import dataclass
 
 T = TypeVar("T")
@@ -97,15 +98,16 @@ def densities(
     contradiction.
     """
     named: dict[str, float] = {}
-    for key, name in _mapping(material).items():
+    materials, weights = _by_name(material, "material"), _by_name(density, "density")
+    for key, name in materials.items():
         named[key] = density_of(name)
-    for key, value in _mapping(density).items():
+    for key, value in weights.items():
         if key in named:
             raise UsageError(f"both a density and a material are given{f' for {key!r}' if key else ''}: give one")
         named[key] = positive(value, f"density{f' of {key!r}' if key else ''}", "kg/m³")
-    source: DensityFrom = "option" if _mapping(density) else "material" if named else "assumed"
+    source: DensityFrom = "option" if weights else "material" if named else "assumed"
     if mass is not None:
-        if "" in named:
+        if [*named] == [""]:
             raise UsageError("both a mass and a density are given: give the one that was measured")
         mass = positive(mass, "mass", "kg")
         source = "mass"
@@ -113,20 +115,42 @@ def densities(
     return Densities(default, named, source, mass)
 
 
-def _mapping(value: T | Mapping[str, T] | None) -> Mapping[str, T]:
+def _by_name(value: T | Mapping[str, T] | None, what: str) -> Mapping[str, T]:
+    """Return what was said of each region or body by its name: the number of a body is its name too."""
     if value is None:
         return {}
-    return value if isinstance(value, Mapping) else {"": value}
+    if not isinstance(value, Mapping):
+        return {"": value}
+    named: dict[str, T] = {}
+    for key, each in value.items():
+        name = str(int(key)) if isinstance(key, Integral) and not isinstance(key, bool) else key
+        if not isinstance(name, str):
+            raise UsageError(f"the {what} of {key!r} is given: name a region by its text, a body by its number")
+        if name in named:
+            raise UsageError(f"the {what} of body {name} is given twice, by its number and as text: give one")
+        named[name] = each
+    return named
 
 
-def positive(value: float, name: str, unit: str) -> float:
-    """Return a positive, finite number, with its uncertainty, if it has one; raises `UsageError` for all else."""
+def number_of(value: float, name: str, unit: str) -> float:
+    """Return a number, with its uncertainty, if it has one, infinite beyond float64; raises `UsageError` for all else.
+
+    >>> number_of("heavy", "mass", "kg")
+    Traceback (most recent call last):
+    inertia.errors.UsageError: mass is 'heavy': it must be a number of kg
+    """
     try:
-        number = value if isinstance(value, Estimate) else float(value)
+        number = value if isinstance(value, Estimate) else float_of(value)
     except (TypeError, ValueError):
         number = None
     if number is None or isinstance(value, bool):
         raise UsageError(f"{name} is {value!r}: it must be a number of {unit}")
+    return number
+
+
+def positive(value: float, name: str, unit: str) -> float:
+    """Return a positive, finite number, with its uncertainty, if it has one; raises `UsageError` for all else."""
+    number = number_of(value, name, unit)
     if not (number > 0 and math.isfinite(number)):
         raise UsageError(f"{name} is {number:g} {unit}: it must be positive and finite")
     return number

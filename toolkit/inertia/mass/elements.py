@@ -7,10 +7,11 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from inertia.arrays import Float, Int
+from inertia.arrays import Float, Int, reals
 from inertia.errors import GeometryError, UsageError
-from inertia.mass.moments import ZERO, root_above, simplex_moments
-from inertia.mass.properties import MassProperties
+from inertia.mass.density import positive
+from inertia.mass.moments import ZERO, Moments, root_above, simplex_moments
+from inertia.mass.properties import TOO_LARGE, TOO_SMALL, MassProperties
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.triangle_pairs import orient3d
 
@@ -41,8 +42,7 @@ def point_masses(positions: ArrayLike, masses: ArrayLike) -> MassProperties:
     if not (np.isfinite(weights) & (weights > 0)).all():
         worst = int(np.flatnonzero(~(np.isfinite(weights) & (weights > 0)))[0])
         raise GeometryError(f"masses[{worst}] is {weights[worst]}: a mass must be positive and finite")
-    moments = simplex_moments(points[:, None, :], weights)
-    return MassProperties.from_moments(moments, ZERO, ZERO, "exact sums over points")
+    return _properties(simplex_moments(points[:, None, :], weights), "points")
 
 
 def wire(points: ArrayLike, linear_density: float) -> MassProperties:
@@ -61,10 +61,11 @@ def wire(points: ArrayLike, linear_density: float) -> MassProperties:
     """
     corners = _points(points, 2)
     segments = np.stack([corners[:-1], corners[1:]], axis=1)
-    weight = Fraction(_positive(linear_density, "linear_density", "kg/m"))
+    weight = Fraction(positive(linear_density, "linear_density", "kg/m"))
     lengths = [root_above(edge @ edge) for edge in _rational(segments[:, 1]) - _rational(segments[:, 0])]
-    moments = simplex_moments(segments, [weight * length for length in lengths], _OF_ROOT)
-    return MassProperties.from_moments(moments, ZERO, ZERO, "exact sums over segments")
+    if not any(lengths):
+        raise GeometryError("the wire has no length: its points are all in one place")
+    return _properties(simplex_moments(segments, [weight * length for length in lengths], _OF_ROOT), "segments")
 
 
 def lamina(outline: ArrayLike, areal_density: float) -> MassProperties:
@@ -83,29 +84,35 @@ def lamina(outline: ArrayLike, areal_density: float) -> MassProperties:
     """
     corners = _points(outline, 3)
     triangles = np.stack([np.broadcast_to(corners[0], (len(corners) - 2, 3)), corners[1:-1], corners[2:]], axis=1)
-    normals = 0.5 * np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    with np.errstate(over="ignore"):
+        size = float(np.ptp(corners, axis=0).max())
+    if size == np.inf:
+        raise _beyond_float64("above 1.8e308")
+    # Outlines of any size are judged at that of about one: their squares may be beyond float64. A power of two rounds
+    # nothing.
+    power = int(np.frexp(size)[1])
+    shape, (p, q, r) = np.ldexp(corners, -power), np.ldexp(triangles, -power).transpose(1, 0, 2)
+    normals = 0.5 * np.cross(q - p, r - p)
     normal = normals.sum(axis=0)
     area = float(np.linalg.norm(normal))
-    size = float(np.ptp(corners, axis=0).max())
-    if area <= 1e-15 * size * size:
-        raise GeometryError(f"the outline encloses an area of {area:.3g} m²: give its corners in order around it")
-    off = np.abs((corners - corners.mean(axis=0)) @ (normal / area))
+    if area <= 1e-15 * np.ldexp(size, -power) ** 2:
+        raise GeometryError("the outline encloses no area: give its corners in order around it")
+    off = np.ldexp(np.abs((shape - shape.mean(axis=0)) @ (normal / area)), power)
     if off.max() > _FLAT * size:
         worst = int(off.argmax())
         raise GeometryError(
             f"outline[{worst}] is {off[worst]:.3g} m off the plane of the outline, the limit is {_FLAT * size:.3g} m: "
             "a lamina is flat; use a mesh with shell=THICKNESS"
         )
-    if (normals @ normal < 0).any() and (crossed := _crossed(np.delete(corners, np.abs(normal).argmax(), axis=1))):
+    if (normals @ normal < 0).any() and (crossed := _crossed(np.delete(shape, np.abs(normal).argmax(), axis=1))):
         i, j = crossed
         raise GeometryError(f"the outline crosses itself: its edges from corners {i} and {j} on, counted from 0, cross")
-    weight = _positive(areal_density, "areal_density", "kg/m²")
+    weight = positive(areal_density, "areal_density", "kg/m²")
     a, b, c = _rational(triangles).transpose(1, 0, 2)
     doubled = np.cross(b - a, c - a)
     total = doubled.sum(axis=0)
     factor = Fraction(weight) / (2 * root_above(total @ total))
-    moments = simplex_moments(triangles, factor * (doubled @ total), _OF_ROOT)
-    return MassProperties.from_moments(moments, ZERO, ZERO, "exact sums over triangles")
+    return _properties(simplex_moments(triangles, factor * (doubled @ total), _OF_ROOT), "triangles")
 
 
 def _crossed(corners: Float) -> tuple[int, int] | None:
@@ -139,7 +146,7 @@ def _points(value: ArrayLike, least: int) -> Float:
 
 def _numbers(value: ArrayLike, name: str) -> Float:
     try:
-        return np.asarray(value, dtype=np.float64)
+        return reals(value)
     except (TypeError, ValueError):
         raise UsageError(f"{name} must be an array of numbers") from None
 
@@ -149,7 +156,18 @@ def _rational(array: Float) -> NDArray[np.object_]:
     return np.array([Fraction(k) for k in array.flat], dtype=object).reshape(array.shape)
 
 
-def _positive(value: float, name: str, unit: str) -> float:
-    if not 0 < value < np.inf:
-        raise UsageError(f"{name} is {value!r} {unit}: it must be positive and finite")
-    return float(value)
+def _properties(moments: Moments, elements: str) -> MassProperties:
+    """Return the mass properties of exact sums; no unit of coordinates can be named to those of bodies in SI."""
+    try:
+        return MassProperties.from_moments(moments, ZERO, ZERO, f"exact sums over {elements}")
+    except GeometryError as error:
+        if error.words in (TOO_LARGE, TOO_SMALL):
+            raise _beyond_float64("above 1.8e308" if error.words == TOO_LARGE else "below 5e-324") from None
+        raise
+
+
+def _beyond_float64(where: str) -> GeometryError:
+    return GeometryError(
+        f"the mass or the tensor is {where} and leaves float64: check the coordinates, which are in m, and the masses "
+        "or densities"
+    )

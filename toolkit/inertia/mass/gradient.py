@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from inertia.arrays import Float, Int, Orientation
+from inertia.errors import require_kind
 from inertia.mass.analyse import analyse
 from inertia.mass.integrand import matrix_of, principal_rates
 from inertia.mass.principal import Principal
@@ -103,6 +104,7 @@ def gradient(
     >>> change.center_of_mass[1].round(12).tolist()
     [[0.25, 0.0, 0.0], [0.0, 0.25, 0.0], [0.0, 0.0, 0.25]]
     """
+    require_kind(part, Part, "part", "inertia.read(path)")
     if part.shape is not None:
         part = replace(part, shape=None)
     analysis = analyse(

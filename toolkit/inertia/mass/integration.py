@@ -21,6 +21,7 @@ from inertia.mesh.checks.doubled_faces import doubled_faces
 from inertia.mesh.checks.findings import Finding, Report, around, middle
 from inertia.mesh.geometry.closure import Closure, closure, paired_by_keys
 from inertia.mesh.geometry.intersect import crosses, to_be_examined
+from inertia.mesh.geometry.irregular_edges import Irregular
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells, soundly_nested
 from inertia.mesh.geometry.shells import bodies as bodies_of
 from inertia.mesh.geometry.simple import MOST, PIECES, SIMPLE, at_hand, not_simple, states
@@ -207,7 +208,10 @@ def surface_integrals(
             yield replace(integral, groups=groups, method=METHODS[arithmetic])
             continue
         whole = solid_moments(triangles, arithmetic, sums, further, part.rounding)
-        if report is None and ((pieces and not proven and not sound) or whole.zeroth < -whole.zeroth_bound):
+        negative = whole.zeroth < -whole.zeroth_bound
+        if report is None and negative and topology.components == 1 and not (topology.crowded or proven or absolute):
+            _refuse_inward(part, topology, extents)
+        if report is None and ((pieces and not proven and not sound) or negative):
             report = _sound(part, False, parts, allowance, absolute)
         if whole.zeroth > whole.zeroth_bound:
             groups = _solid_groups(part, named, topology, pieces, whole, arithmetic)
@@ -342,6 +346,15 @@ def _refuse_open(part: Part, intersections: bool | None, extents: Float) -> None
         if not may_close(known[1].vertices, extents, edges.ends, edges.forward - edges.backward):
             refuse_faults(part, edge_faults(part, *known, (), extents))
     _check(part, intersections).require_fit()
+
+
+def _refuse_inward(part: Part, topology: Closure, extents: Float) -> None:
+    """Raise `GeometryError` for the one shell of a surface without irregular edges, unless it is next to a sheet."""
+    from inertia.mesh.checks.edge_faults import shell_findings  # slow to import, and most surfaces need none
+
+    triangles = part.triangles
+    pieces = once("shells", triangles, lambda: shells(triangles, topology))
+    refuse_faults(part, shell_findings(part, topology, Irregular.none(triangles), pieces, extents))
 
 
 def refuse_faults(part: Part, remarks: Iterable[Finding]) -> tuple[Finding, ...]:

@@ -156,8 +156,8 @@ def many(
 
 def _split(vertices: Any, faces: Any, offsets: tuple[ArrayLike, ArrayLike]) -> list[list[Any]]:
     """Return the rows of each mesh, in two arrays that hold those of all."""
-    if len(offsets) != 2:
-        raise UsageError(f"offsets must be two arrays, of vertices and of faces, not {len(offsets)}")
+    if not hasattr(offsets, "__len__") or len(offsets) != 2:
+        raise UsageError(f"offsets must be two arrays, of vertices and of faces, not a {type(offsets).__name__}")
     meshes = []
     for name, array, starts in zip(("vertices", "faces"), (vertices, faces), offsets, strict=True):
         rows, at = np.asarray(array), np.asarray(starts)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from inertia.arrays import Float
 from inertia.errors import UNIT, GeometryError, UsageError
+from inertia.estimate import is_number
 from inertia.mass.eigen import Spectrum, spectrum
 from inertia.mass.moments import Moments
 from inertia.mass.tensor import array_of, tensor_of
@@ -78,8 +79,8 @@ def principal(inertia: ArrayLike, tolerance: float = CLASS_TOLERANCE, bound: flo
     nearest to the part's own x, y, z. The class is ``rotor`` (I1 = 0), ``spherical`` (I1 = I2 = I3), ``prolate``
     (I2 = I3), ``oblate`` (I1 = I2) or ``asymmetric`` (textbook § 13.10).
 
-    Raises `UsageError` where the tensor is not symmetric, or it or the bound not finite, `GeometryError` where a moment
-    leaves float64.
+    Raises `UsageError` where the tensor is not symmetric, it or the bound not finite, or the tolerance none,
+    `GeometryError` where a moment leaves float64.
 
     >>> principal(np.diag([2.0, 2.0, 1.0])).kind
     'prolate'
@@ -92,7 +93,7 @@ def principal(inertia: ArrayLike, tolerance: float = CLASS_TOLERANCE, bound: flo
 def spectrum_of_tensor(inertia: ArrayLike, bound: float | Fraction) -> Spectrum:
     """Return the eigenvalues and eigenvectors of a tensor (3, 3) kg m², known to within `bound`; see `principal`."""
     rows = [[Fraction(k) for k in row] for row in tensor_of(inertia).tolist()]
-    if not 0 <= bound < math.inf:
+    if not (is_number(bound) and 0 <= bound < math.inf):
         raise UsageError(f"bound is {bound!r} kg m²: it must be finite and not negative")
     tensor = [[(rows[i][j] + rows[j][i]) / 2 for j in range(3)] for i in range(3)]
     return spectrum(tensor, [[Fraction(bound)] * 3] * 3, Fraction(bound))
@@ -108,6 +109,7 @@ def spectrum_of_moments(central: Moments) -> Spectrum:
 
 def principal_of(eigen: Spectrum, tolerance: float = CLASS_TOLERANCE) -> Principal:
     """Return what `principal` does, from the spectrum of a tensor."""
+    require_tolerance(tolerance)
     values, bounds, n, d = eigen.multiples, eigen.bounds, eigen.unit.numerator, eigen.unit.denominator
     share, whole = tolerance.as_integer_ratio()
     limit = share * values[2] // whole
@@ -134,6 +136,12 @@ def principal_of(eigen: Spectrum, tolerance: float = CLASS_TOLERANCE) -> Princip
         p, q = moment.as_integer_ratio()
         errors.append(_above(abs(p * d - n * value * q) + n * bound * q, q * d))
     return Principal(np.array(moments), _signed(axes), equal, kind, tolerance, np.array(errors), angles, second)
+
+
+def require_tolerance(tolerance: float) -> None:
+    """Raise `UsageError` where moments cannot count as equal within this part of the largest."""
+    if not (is_number(tolerance) and 0 <= tolerance < 1):
+        raise UsageError(f"the class tolerance is {tolerance!r}: it must be at least 0 and below 1")
 
 
 def _rounded(n: int, d: int) -> float:

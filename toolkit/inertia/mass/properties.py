@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float
-from inertia.errors import UNIT, GeometryError, UsageError
+from inertia.errors import UNIT, GeometryError, UsageError, require_kind
+from inertia.estimate import is_number
 from inertia.mass import principal as principals
-from inertia.mass.density import positive
+from inertia.mass.density import number_of, positive
 from inertia.mass.eigen import Spectrum
 from inertia.mass.moments import ZERO, Moments, Six, dyadic, nearby, norm_above, norm_above_of
 from inertia.mass.tensor import array_of, exact_point, faults, rotation_of
@@ -36,6 +37,7 @@ _ROUNDOFF = Fraction(1, 2**53)
 _NORMAL = 2.0**-1022  # below it rounding is not relative, but of up to half the spacing of the numbers there
 _SPACING = Fraction(1, 2**1074)
 _ONE, _TWO = Fraction(1), Fraction(2)
+_ROUNDED_UP = 1.0 + 1e-12  # more than float64 takes from a norm of nine elements
 _WIDEN = 1 + Fraction(1, 2**59)  # more than a root is rounded up by
 
 
@@ -74,10 +76,12 @@ class MassProperties:
     mass : kg
     volume : m³; 0 for wires and points
     center_of_mass : (3,) m
-    inertia : (3, 3) kg m² about the centre of mass; off-diagonal elements are negative products of inertia
+    inertia : (3, 3) kg m² about the centre of mass; off-diagonal elements are negative products of inertia. Mirrored
+        elements that rounding set apart, as in float32, are taken as their mean, and `error.inertia` covers that
     error : `ErrorBound`
 
-    Raises `GeometryError` where no body of positive mass can have these properties.
+    Raises `UsageError` where an argument is no number or of another shape, `GeometryError` where no body of positive
+    mass can have these properties.
 
     >>> ball = MassProperties(2.0, 1.0, [0, 0, 0], 0.8 * np.eye(3))
     >>> (ball + ball).about([0, 0, 1]).tolist()
@@ -94,14 +98,32 @@ class MassProperties:
     def __post_init__(self) -> None:
         object.__setattr__(self, "center_of_mass", array_of(self.center_of_mass, (3,), "center_of_mass"))
         object.__setattr__(self, "inertia", array_of(self.inertia, (3, 3), "inertia"))
+        object.__setattr__(self, "mass", number_of(self.mass, "mass", "kg"))
+        object.__setattr__(self, "volume", number_of(self.volume, "volume", "m³"))
+        require_kind(self.error, ErrorBound, "error", "inertia.ErrorBound(...)")
         if not 0 < self.mass < np.inf:
             raise GeometryError(f"the mass is {self.mass:.6g} kg: it must be positive and finite")
         if not 0 <= self.volume < np.inf:
             raise GeometryError(f"the volume is {self.volume:.6g} m³: it must be finite and not negative")
         if broken := faults(self.inertia, max(principals.CLASS_TOLERANCE, 4 * self.error.inertia)):
             raise GeometryError(f"the inertia tensor is not physical: {broken[0]}", code="unphysical")
+        if not np.array_equal(self.inertia, self.inertia.T):
+            self._symmetrise()
         self.center_of_mass.setflags(write=False)
         self.inertia.setflags(write=False)
+
+    def _symmetrise(self) -> None:
+        """Let mirrored elements be their mean: no farther from the true tensor, but with a bound of no less than that.
+
+        A bound below the distance to the nearest symmetric tensor cannot hold for the elements as they were given.
+        """
+        mean = self.inertia / 2 + self.inertia.T / 2
+        largest = np.abs(mean).max()
+        given, size = (float(np.linalg.norm(each / largest)) for each in (self.inertia, mean))
+        moved = float(np.linalg.norm((self.inertia - mean) / largest)) * _ROUNDED_UP
+        error = replace(self.error, inertia=max(self.error.inertia * given, moved) / size)
+        object.__setattr__(self, "inertia", mean)
+        object.__setattr__(self, "error", error)
 
     @classmethod
     def from_moments(cls, moments: Moments, volume: Fraction, volume_bound: Fraction, method: str) -> MassProperties:
@@ -121,7 +143,7 @@ class MassProperties:
         except OverflowError:
             raise GeometryError(*TOO_LARGE) from None
         if volume and not size:
-            raise GeometryError(*_TOO_SMALL)
+            raise GeometryError(*TOO_SMALL)
         return cls._rounded(moments, size, _relative(volume_bound, [volume], [size]), None, method)
 
     @classmethod
@@ -159,7 +181,7 @@ class MassProperties:
         except OverflowError:
             raise GeometryError(*TOO_LARGE) from None
         if mass == 0 or (any(exact) and not any(tensor)):
-            raise GeometryError(*_TOO_SMALL)
+            raise GeometryError(*TOO_SMALL)
         error = ErrorBound(
             method,
             volume_error,
@@ -355,7 +377,7 @@ class MassProperties:
         try:
             return self._rounded(moments, self.volume, self.error.volume, 0.0, self.error.method)
         except GeometryError as error:
-            if error.words in (TOO_LARGE, _TOO_SMALL):
+            if error.words in (TOO_LARGE, TOO_SMALL):
                 raise UsageError(
                     f"with a mass of {mass:g} kg the tensor leaves float64: name a mass nearer to {self.mass:g} kg"
                 ) from None
@@ -364,6 +386,10 @@ class MassProperties:
     def __add__(self, other: object) -> MassProperties:
         """Assemble two bodies given in the same frame."""
         return self._combined(other, 1)
+
+    def __radd__(self, other: object) -> MassProperties:
+        """Return the body itself added to 0, no body, so that `sum` assembles a list of them."""
+        return self if is_number(other) and other == 0 else self._combined(other, 1)
 
     def __sub__(self, other: object) -> MassProperties:
         """Cut a body out of another one that contains it, given in the same frame."""
@@ -376,6 +402,11 @@ class MassProperties:
         bound = sum((Fraction(k.volume) * Fraction(k.error.volume) for k in (self, other)), ZERO)
         methods = dict.fromkeys((self.error.method, other.error.method))
         a, b = self._moments, other._moments
+        if sign < 0 and a.zeroth - b.zeroth <= a.zeroth_bound + b.zeroth_bound:
+            raise GeometryError(
+                f"nothing is left of {_show(a.zeroth)} kg where {_show(b.zeroth)} kg are cut out: subtract a body from "
+                "one that contains it"
+            )
         # About the origin of either, the bound of the other would be that of a lever, however light the first.
         share = b.zeroth / (a.zeroth + b.zeroth)
         middle = [x + share * (y - x) for x, y in zip(a.centroid, b.centroid, strict=True)]
@@ -430,7 +461,7 @@ def stretched(
 
 
 TOO_LARGE = "the result is above 1.8e308 and leaves float64: give the coordinates in a smaller unit with ", UNIT
-_TOO_SMALL = "the result is below 5e-324 and leaves float64: give the coordinates in a larger unit with ", UNIT
+TOO_SMALL = "the result is below 5e-324 and leaves float64: give the coordinates in a larger unit with ", UNIT
 
 
 def _require_mass(moments: Moments) -> None:

@@ -8,6 +8,8 @@ from fractions import Fraction
 
 import numpy as np
 
+from inertia.errors import require_kind
+from inertia.mass.density import number_of
 from inertia.mass.doubt import FILLED, doubt_error
 from inertia.mass.moments import Moments, inertia_tensor
 from inertia.mass.properties import ErrorBound
@@ -83,6 +85,9 @@ def repair(part: Part, tolerance: float | None = None, *, alike: bool = False) -
     >>> [str(change) for change in repair(part).changes]
     ['holes filled: 1 (of 3 edges around (0, 0.333333333, 0.333333333))']
     """
+    require_kind(part, Part, "part", "inertia.read(path)")
+    if tolerance is not None:
+        tolerance = number_of(tolerance, "tolerance", part.unit.name)
     return _with_effect(part, mesh_repair.repair(part, tolerance=tolerance, alike=alike))
 
 
@@ -101,7 +106,8 @@ def weld(part: Part, tolerance: float) -> Repaired:
     >>> [str(change) for change in weld(part, 1e-6).changes]
     ['vertices within the tolerance merged: 1 (0 triangles collapsed and left out), moved by at most 1e-09']
     """
-    return _with_effect(part, mesh_repair.weld(part, tolerance))
+    require_kind(part, Part, "part", "inertia.read(path)")
+    return _with_effect(part, mesh_repair.weld(part, number_of(tolerance, "tolerance", part.unit.name)))
 
 
 def _with_effect(part: Part, repair: Repair) -> Repaired:

@@ -13,8 +13,9 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike
 
-from inertia.arrays import Float, of_rotation
+from inertia.arrays import Float, of_rotation, reals
 from inertia.errors import UsageError
+from inertia.mass.density import positive
 
 VALIDITY_TOLERANCE = 1e-9
 """Relative slack, of the trace, within which a tensor still counts as physical."""
@@ -26,7 +27,7 @@ _LEAST = 1e-300
 def array_of(value: ArrayLike | Sequence[Fraction], shape: tuple[int, ...], name: str) -> Float:
     """Return `value` as a finite float64 array of `shape`, or raise `UsageError` naming it."""
     try:
-        array = np.array(of_rotation(value, shape[-1] if shape else 0), dtype=np.float64)
+        array = np.array(reals(of_rotation(value, shape[-1] if shape else 0)))
     except (TypeError, ValueError):
         raise UsageError(f"{name} must be numbers of shape {shape}") from None
     if array.shape != shape:
@@ -43,7 +44,11 @@ def tensor_of(value: ArrayLike) -> Float:
     if 2 * skew.max() > VALIDITY_TOLERANCE * np.abs(tensor).max():
         i, j = divmod(int(skew.argmax()), 3)
         here, there = float(tensor[i, j]), float(tensor[j, i])
-        raise UsageError(f"inertia is not symmetric: {here:.6g} at [{i}][{j}] and {there:.6g} at [{j}][{i}]")
+        raise UsageError(
+            f"inertia is not symmetric: {here!r} at [{i}][{j}] and {there!r} at [{j}][{i}] differ by "
+            f"{2 * float(skew[i, j]):.2g}, the limit is {VALIDITY_TOLERANCE:g} of the largest element: give their "
+            "mean, (J + J.T)/2, where rounding alone set them apart"
+        )
     return tensor
 
 
@@ -72,17 +77,22 @@ def steiner(inertia: ArrayLike, mass: float, center_of_mass: ArrayLike, *, about
     Parameters
     ----------
     inertia : (3, 3) about the point `about`, kg m²
-    mass : kg
+    mass : kg, positive
     center_of_mass, about, to : (3,) m, in the tensor's axes
+
+    Raises `UsageError` where an argument is not usable, or the tensor there leaves float64.
 
     >>> steiner(np.eye(3), 2.0, [0, 0, 0], about=[0, 0, 0], to=[0, 0, 3]).diagonal().tolist()
     [19.0, 19.0, 1.0]
     """
-    tensor = tensor_of(inertia)
+    tensor, weight = tensor_of(inertia), positive(mass, "mass", "kg")
     com = array_of(center_of_mass, (3,), "center_of_mass")
-    a = array_of(about, (3,), "about") - com
-    b = array_of(to, (3,), "to") - com
-    return tensor + (point_inertia(mass, b) - point_inertia(mass, a))
+    start, end = array_of(about, (3,), "about"), array_of(to, (3,), "to")
+    with np.errstate(over="ignore", invalid="ignore"):
+        moved = tensor + (point_inertia(weight, end - com) - point_inertia(weight, start - com))
+    if not np.isfinite(moved).all():
+        raise UsageError(f"the tensor about {start.tolist()} or {end.tolist()} is above 1.8e308: name nearer points")
+    return moved
 
 
 def rotation_of(value: ArrayLike) -> Float:
@@ -90,7 +100,10 @@ def rotation_of(value: ArrayLike) -> Float:
     rotation = array_of(value, (3, 3), "rotation")
     skew = float(np.abs(rotation.T @ rotation - np.eye(3)).max())
     if skew > 1e-9:
-        raise UsageError(f"rotation is off orthonormal by {skew:.2g}, the limit is 1e-9: normalise its columns")
+        raise UsageError(
+            f"rotation is off orthonormal by {skew:.2g}, the limit is 1e-9: give more digits, or, where rounding alone "
+            "took them, the nearest rotation, as Rotation.from_matrix of scipy finds it"
+        )
     if np.linalg.det(rotation) < 0:
         raise UsageError("rotation is left-handed: change the sign of one of its columns")
     return rotation

@@ -12,7 +12,8 @@ from fractions import Fraction
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import GeometryError, UsageError, require_kind
+from inertia.estimate import is_number
 from inertia.mass.moments import PAIRS, ZERO, Moments, Vector, vector
 from inertia.mass.properties import ErrorBound, MassProperties
 from inertia.mesh.part import Part
@@ -139,7 +140,9 @@ def richardson(coarse: MassProperties, fine: MassProperties, ratio: float = 2.0,
     >>> round(richardson(coarse, fine).volume * 0.99, 6)
     0.01
     """
-    if not (1 < ratio < math.inf and 0 < order < math.inf):
+    for name, properties in (("coarse", coarse), ("fine", fine)):
+        require_kind(properties, MassProperties, name, "inertia.mass_properties(part)")
+    if not (is_number(ratio) and is_number(order) and 1 < ratio < math.inf and 0 < order < math.inf):
         raise UsageError(f"ratio is {ratio!r} and order {order!r}: the ratio must be above 1, the order above 0")
     divisor = ratio**order - 1.0
     return ErrorBound(

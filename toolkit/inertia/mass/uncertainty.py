@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float
-from inertia.errors import UNIT, GeometryError
+from inertia.errors import UNIT, GeometryError, UsageError
 from inertia.estimate import uncertainty_of
 from inertia.mass.density import Densities
 from inertia.mass.integrand import (
@@ -39,6 +39,8 @@ _APART = 2.0  # standard uncertainties of the difference of two moments, below w
 _SHOWN = 0.1  # of u: what second order adds, above which it is said
 _CHUNK = 1 << 16
 _LEAST = 1e-120  # of volume, mass and tensor: less, squared and a small part of that, leaves float64
+
+_INPUTS = {"vertices": "m a coordinate", "mass": "kg", "thickness": "m", "section": "m²", "scale": "(relative)"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +75,27 @@ class StandardUncertainty:
 
     def of(self, component: str | None = None) -> Float:
         """Return u of the eleven quantities of `covariance`, or what one input contributes."""
+        if component is not None and component not in self.components:
+            raise UsageError(f"no input {component!r} is uncertain: use one of {', '.join(map(repr, self.components))}")
         return _root((self.covariance if component is None else self.components[component]).diagonal())
+
+    @property
+    def stated(self) -> list[str]:
+        """Each uncertain input with its u and unit, as a sentence lists them."""
+        return [f"{name} {u:.2g} {_INPUTS.get(name, 'kg/m³')}" for name, u in self.inputs.items()]
+
+    def rows(self) -> list[tuple[str, str]]:
+        """Return what a notebook shows, as labels and texts."""
+
+        def figures(k: float) -> str:
+            center, moments = (
+                ", ".join(f"{k * u:.2g}" for u in each) for each in (self.center_of_mass, self.principal_moments)
+            )
+            return f"mass {k * self.mass:.2g} kg, centre of mass {center} m, moments {moments} kg m²"
+
+        stated = ("Uncertain", f"{', '.join(self.stated)} (standard uncertainties u, GUM)")
+        expanded = [(f"U, k = {self.coverage:g}", figures(self.coverage))] if self.coverage else []
+        return [stated, ("u", figures(1.0)), *expanded]
 
     @property
     def volume(self) -> float:
@@ -154,9 +176,10 @@ def standard_uncertainty(
     thickness : relative u of a shell's thickness, or of a wire's cross-section
     coverage : k
 
-    Raises `GeometryError` where the part is so large or so small that covariances leave float64.
+    Raises `GeometryError` where the part is so large or so small that covariances leave float64, `UsageError` where the
+    uncertainties of the inputs are so large.
     """
-    properties, metres = integrand.properties, float(integrand.part.unit.metres)
+    properties = integrand.properties
     sizes = properties.volume, properties.mass, float(np.abs(properties.inertia).max())
     if min(k for k in sizes if k) < _LEAST or max(sizes) > 1 / _LEAST:
         raise GeometryError(
@@ -164,6 +187,26 @@ def standard_uncertainty(
             "float64: give the coordinates in another unit with ",
             UNIT,
         )
+    try:
+        with np.errstate(over="raise"):
+            return _propagated(integrand, principal, stated, sigma, scale, thickness, coverage)
+    except (FloatingPointError, OverflowError):
+        raise UsageError(
+            "the standard uncertainties of the inputs lead to variances above 1.8e308: check their sizes and units"
+        ) from None
+
+
+def _propagated(
+    integrand: Integrand,
+    principal: Principal,
+    stated: Densities,
+    sigma: float,
+    scale: float,
+    thickness: float,
+    coverage: float | None,
+) -> StandardUncertainty:
+    """Return what `standard_uncertainty` does, whose parameters these are."""
+    properties, metres = integrand.properties, float(integrand.part.unit.metres)
     weighing, tensor = integrand.weighing, six_of(properties.inertia)
     inputs: dict[str, float] = {}
     responses: dict[str, Float] = {}

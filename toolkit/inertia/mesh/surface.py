@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from inertia.arrays import Bool, Float, Int
+from inertia.arrays import Bool, Float, Int, is_masked
 from inertia.errors import GeometryError, ReadError, UsageError, placed
 from inertia.mesh.version import CHANGED, Version
 
@@ -201,7 +201,7 @@ class Surface:
     counts_once = False
 
     def __init__(self, vertices: ArrayLike, faces: ArrayLike) -> None:
-        self.vertices: Float = np.ascontiguousarray(_numbers("vertices", vertices, "fiu"), dtype=np.float64)
+        self.vertices: Float = np.asarray(_numbers("vertices", vertices, "fiu"), dtype=np.float64, order="C")
         self.faces: Int = indices(faces)
         if self.vertices.ndim != 2 or self.vertices.shape[1] != 3:
             raise UsageError(f"vertices must have shape (n, 3), not {self.vertices.shape}")
@@ -211,9 +211,9 @@ class Surface:
             out_of_range = (self.faces < 0) | (self.faces >= len(self.vertices))
             if out_of_range.any():
                 face, corner = (int(i) for i in np.argwhere(out_of_range)[0])
+                there = f"the vertices are 0 to {len(self.vertices) - 1}" if len(self.vertices) else "there are none"
                 raise GeometryError(
-                    f"face {face} names vertex {self.faces[face, corner]}, "
-                    f"but the vertices are 0 to {len(self.vertices) - 1}: export the mesh again"
+                    f"face {face} names vertex {self.faces[face, corner]}, but {there}: export the mesh again"
                 )
 
     @classmethod
@@ -255,7 +255,7 @@ def indices(faces: ArrayLike) -> Int:
             raise UsageError(f"faces hold {array[~whole][0]:g}, which is no number of a vertex: give whole numbers")
     if array.dtype == np.uint64:
         array = np.minimum(array, np.uint64(2**63 - 1))
-    return np.ascontiguousarray(array, dtype=np.int64)
+    return np.asarray(array, dtype=np.int64, order="C")
 
 
 def _numbers(what: str, values: ArrayLike, kinds: str) -> NDArray[Any]:
@@ -266,6 +266,9 @@ def _numbers(what: str, values: ArrayLike, kinds: str) -> NDArray[Any]:
         array = np.asarray(None)
     if array.dtype.kind not in kinds:
         raise UsageError(f"{what} must be an array of {'real' if kinds[0] == 'f' else 'whole'} numbers, (n, 3)")
+    if is_masked(values) and np.ma.getmaskarray(values).any():
+        row = int(np.argwhere(np.ma.getmaskarray(values))[0, 0])
+        raise UsageError(f"{what}: row {row} has masked numbers: leave out what is masked, or fill it")
     return array
 
 

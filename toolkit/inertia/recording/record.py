@@ -14,7 +14,7 @@ from inertia.arrays import Float
 from inertia.assembly.budget import Budget
 from inertia.balancing.balance import Balance
 from inertia.dynamics.run import Run
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import GeometryError, UsageError, require_kind
 from inertia.output import require_writable
 from inertia.recording.live import to_viewer
 from inertia.recording.provenance import properties_of
@@ -113,8 +113,15 @@ def _write(recording: Recording, screen: Screen, subject: Run | Balance | Budget
     screen.write(recording)
 
 
-def _require_recordable(*runs: object) -> None:
-    for run in runs:
+def _require_recordable(subject: object, other: object) -> None:
+    if not isinstance(subject, Run | Balance | Budget):
+        raise UsageError(
+            f"subject is a {type(subject).__name__}: give what inertia.simulate, inertia.balance or "
+            "inertia.Assembly.budget returns"
+        )
+    if other is not None:
+        require_kind(other, Run, "other", "inertia.simulate(scene)")
+    for run in (subject, other):
         if isinstance(run, Run):
             _require_finite(run)
 

@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from inertia.arrays import is_masked, reals
 from inertia.balancing.unbalance import Complex
 from inertia.errors import UsageError
 
@@ -41,15 +42,20 @@ def readings(
     """
     if phase not in ("lead", "lag") or rotation not in ("ccw", "cw"):
         raise UsageError(f"phase is {phase!r} and rotation {rotation!r}: use 'lead' or 'lag', and 'ccw' or 'cw'")
-    size = np.asarray(amplitude, dtype=np.float64)
+    try:
+        size, angle = reals(amplitude), np.radians(reals(phase_deg))
+    except (TypeError, ValueError):
+        raise UsageError("amplitudes and phases must be arrays of real numbers") from None
     if not (size >= 0).all():
         raise UsageError(f"amplitudes are {size.tolist()}: they must be numbers that are not negative")
     sign = 1.0 if (phase == "lead") == (rotation == "ccw") else -1.0
-    return complex_of(size * np.exp(1j * sign * np.radians(np.asarray(phase_deg, dtype=np.float64))), "readings")
+    return complex_of(size * np.exp(1j * sign * angle), "readings")
 
 
 def complex_of(value: ArrayLike, name: str) -> Complex:
     """Return `value` as a finite complex array, or raise `UsageError` naming it."""
+    if is_masked(value):
+        value = np.ma.filled(value.astype(np.complex128), np.nan)  # refused as such
     try:
         array: Complex = np.array(value, dtype=np.complex128)
     except (TypeError, ValueError):

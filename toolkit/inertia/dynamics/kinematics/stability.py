@@ -8,11 +8,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from inertia.arrays import Float
+from inertia.arrays import Float, reals
 from inertia.dynamics.arguments import at_index, first_index, moments_of, vectors
 from inertia.dynamics.special import double_double
 from inertia.errors import GeometryError, UsageError
-from inertia.mass.principal import CLASS_TOLERANCE
+from inertia.mass.principal import CLASS_TOLERANCE, require_tolerance
 
 
 def wobble_frequencies(moments: ArrayLike, speed: ArrayLike = 1.0) -> Float:
@@ -57,6 +57,7 @@ def stable_axes(
     >>> stable_axes([1, 2, 3]).tolist(), stable_axes([1, 2, 3], dissipation=True).tolist()
     ([True, False, True], [False, False, True])
     """
+    require_tolerance(tolerance)
     moments = moments_of(moments)
     others = _others(moments)
     slack = tolerance * np.max(moments, axis=-1)[..., None, None]
@@ -72,11 +73,15 @@ def energy_bounds(moments: ArrayLike, momentum: ArrayLike) -> tuple[Float, Float
 
     L²/2I3 ≤ T ≤ L²/2I1 (textbook eq. 13.162); dissipation ends at the least, about the axis of the largest moment.
 
+    Raises `UsageError` where the momentum is negative or not finite.
+
     >>> [bound.item() for bound in energy_bounds([1, 2, 4], 4.0)]
     [2.0, 8.0]
     """
-    moments, momentum = moments_of(moments), np.asarray(momentum, dtype=np.float64)
-    half = 0.5 * momentum * momentum
+    moments, size = moments_of(moments), _finite(momentum, "momentum")
+    if (size < 0).any():
+        raise UsageError(f"momentum is {size[size < 0].flat[0]:g} kg m²/s: it is a size, |L|, and not negative")
+    half = 0.5 * size * size
     return half / np.max(moments, axis=-1), half / np.min(moments, axis=-1)
 
 
@@ -136,7 +141,14 @@ def _scaled(vector: Float) -> Float:
 
 
 def _speed(speed: ArrayLike) -> Float:
-    value = np.abs(np.asarray(speed, dtype=np.float64))
-    if not np.isfinite(value).all():
-        raise UsageError("speed holds a value that is not finite")
-    return value
+    return np.abs(_finite(speed, "speed"))
+
+
+def _finite(value: ArrayLike, name: str) -> Float:
+    try:
+        numbers = reals(value)
+    except (TypeError, ValueError):
+        raise UsageError(f"{name} must be a number, or an array of them") from None
+    if not np.isfinite(numbers).all():
+        raise UsageError(f"{name} holds a value that is not finite")
+    return numbers

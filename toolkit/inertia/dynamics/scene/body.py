@@ -110,7 +110,8 @@ class SceneBody:
             each = ", ".join(f"{u:.2g}" for u in uncertainty.principal_moments.tolist())
             notes.append(
                 f"the principal moments have standard uncertainties of {each} kg m², for those of "
-                f"{' and '.join(uncertainty.inputs)}; the motion is that of the moments as they are"
+                f"{' and '.join(uncertainty.inputs)}; a single motion is that of the moments as "
+                "they are"
             )
         body = cls.of(analysis.properties, analysis.part, tuple(notes))
         return body if uncertainty is None else replace(body, covariance=uncertainty.covariance)
@@ -219,7 +220,8 @@ def of_tree(path: Path) -> SceneBody:
     mass, center, tensor = (_largest(sigma.all[some]) for some in (slice(1), slice(1, 4), slice(4, 10)))
     note = (
         f"the assembly states standard uncertainties, which make {mass} kg of its mass, {center} m of its centre of "
-        f"mass and {tensor} kg m² of its tensor at most; the motion is that of the figures as they are"
+        f"mass and {tensor} kg m² of its tensor at most; a single motion is that of the figures as they "
+        "are"
     )
     return replace(body, covariance=covariance, notes=(*body.notes, note))
 

@@ -91,9 +91,8 @@ def analysis_document(
             "inertia": tensor.tolist(),
             "error": None if relative is None or math.isinf(relative) else relative,
         }
-        if analysis.uncertainty is not None:
-            metres = [Fraction(k) * part.unit.metres for k in point]
-            document["inertia_about"]["uncertainty"] = analysis.uncertainty.about(metres).tolist()
+        if (u := analysis.about_uncertainty) is not None:
+            document["inertia_about"]["uncertainty"] = u.tolist()
     if analysis.shares:
         document["shares"] = [
             {

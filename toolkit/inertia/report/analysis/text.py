@@ -12,6 +12,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.errors import UNIT, Remedy, Sentence, Wording
 from inertia.mass.analysis import Analysis
+from inertia.mass.integrand import ELEMENTS
 from inertia.mass.integration import TrueShape
 from inertia.mass.principal import radii_of_gyration
 from inertia.report.analysis.document import relative_bounds
@@ -285,7 +286,6 @@ def omission_lines(analysis: Analysis, *, wording: Wording = str) -> Iterator[st
 
 
 _ROUNDED = 1e-14  # of its scale: less is what rounding leaves of a standard uncertainty of zero
-_INPUTS = {"vertices": "m a coordinate", "mass": "kg", "thickness": "m", "section": "m²", "scale": "(relative)"}
 
 
 def uncertainty_lines(analysis: Analysis) -> Iterator[str]:
@@ -294,9 +294,9 @@ def uncertainty_lines(analysis: Analysis) -> Iterator[str]:
     if uncertainty is None:
         return
     properties, principal = analysis.properties, analysis.principal
-    inputs = (f"{name} {u:.2g} {_INPUTS.get(name, 'kg/m³')}" for name, u in uncertainty.inputs.items())
-    yield row("Uncertainty", f"u (standard uncertainty, GUM) for u of {', '.join(inputs)}:")
+    yield row("Uncertainty", f"u (standard uncertainty, GUM) for u of {', '.join(uncertainty.stated)}:")
     off = _ROUNDED * float(np.ptp(analysis.extents, axis=0).max()), _ROUNDED * float(uncertainty.of()[5:].max())
+    about = analysis.about_uncertainty
     for k, expanded in ((1.0, False), (uncertainty.coverage or 0.0, True)):
         if expanded and not k:
             continue
@@ -307,6 +307,9 @@ def uncertainty_lines(analysis: Analysis) -> Iterator[str]:
         yield row("", f"volume {volume:.2g} m³ ({shares[0]}), mass {mass:.2g} kg ({shares[1]}),")
         yield row("", f"centre of mass {_each(k * uncertainty.center_of_mass, off[0])} m,")
         yield row("", f"tensor xx, yy, zz, xy, xz, yz {_each(k * uncertainty.of()[5:], off[1])} kg m²,")
+        if about is not None:
+            there = [k * float(about[i, j]) for i, j in ELEMENTS]
+            yield row("", f"about the point {_each(np.array(there), _ROUNDED * max(there))} kg m²,")
         moments = zip((k * uncertainty.principal_moments).tolist(), principal.moments.tolist(), strict=True)
         angles = (k * uncertainty.principal_axes).tolist()
         axes = (f"{cleared(u, _ROUNDED):.2g} rad" if math.isfinite(u) else "any" for u in angles)
