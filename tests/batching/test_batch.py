@@ -241,6 +241,7 @@ def test_an_archive_in_an_archive_has_its_row_and_what_is_encrypted_says_so(tmp_
         packed.write(CUBE, "b.stl")
     with zipfile.ZipFile(tmp_path / "outer.zip", "w") as packed:
         packed.write(tmp_path / "two.zip", "two.zip")
+    outer = (tmp_path / "two.zip").read_bytes()
     (row,) = rows(tmp_path / "outer.zip")
     assert row["message"].startswith(f"cannot read {tmp_path}/outer.zip/two.zip: it holds 2 meshes, a.stl, b.stl")
     data = bytearray((tmp_path / "two.zip").read_bytes())
@@ -251,6 +252,7 @@ def test_an_archive_in_an_archive_has_its_row_and_what_is_encrypted_says_so(tmp_
     one, other = rows(tmp_path / "two.zip")
     assert one["message"] == f"cannot read {tmp_path}/two.zip/a.stl: it is encrypted: unpack it and give the mesh in it"
     assert other["state"] == "unreadable"
+    assert (row["sha256"], one["sha256"], other["sha256"]) == (hashlib.sha256(outer).hexdigest(), None, None)
 
 
 def test_an_archive_with_one_mesh_is_a_file(tmp_path: Path) -> None:
@@ -354,8 +356,11 @@ def test_a_manifest_that_is_no_table_is_refused(tmp_path: Path) -> None:
     with pytest.raises(inertia.ReadError, match="no Parquet table"):
         rows(tmp_path / "junk.parquet")
     parquet.write_table(pyarrow.table({"path": [1, 2]}), tmp_path / "numbers.parquet")
-    with pytest.raises(inertia.UsageError, match="row 2: the path is 1, which is no text"):
+    with pytest.raises(inertia.UsageError, match="row 1: the path is 1, which is no text"):
         rows(tmp_path / "numbers.parquet")
+    parquet.write_table(pyarrow.table({"path": [str(CUBE), None]}), tmp_path / "empty.parquet")
+    with pytest.raises(inertia.UsageError, match="row 2: the path is empty"):
+        rows(tmp_path / "empty.parquet")
 
 
 @pytest.mark.parametrize(
@@ -567,6 +572,27 @@ def test_a_file_that_takes_too_much_memory_has_a_row_that_says_so(large: Path) -
 
 
 @LINUX
+def test_a_fault_that_shows_piece_by_piece_is_named_where_memory_is_short(tmp_path: Path) -> None:
+    triangles = np.tile(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4"), (600_000, 1, 1))
+    triangles[:, :, 2] = np.arange(600_000)[:, None]
+    records = np.zeros(600_000, [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])
+    records["corners"] = triangles
+    count = np.array(600_000, "<u4").tobytes()
+    (tmp_path / "open.stl").write_bytes(bytes(80) + count + records.tobytes())
+    (row, again) = rows(tmp_path / "open.stl", OPEN, memory=60_000_000)
+    assert (row["state"], row["exit_code"]) == ("refused", 4)
+    assert "open.stl: open: " in row["message"]
+    assert "memory" not in row["message"]
+    assert again["message"].startswith(f"{OPEN}: open: ")
+
+
+@LINUX
+def test_what_refusals_import_counts_for_no_file() -> None:
+    (row,) = rows(OPEN, memory=15_000_000, timeout=60)
+    assert (row["state"], row["message"]) == ("refused", rows(OPEN)[0]["message"])
+
+
+@LINUX
 def test_a_file_whose_process_dies_twice_has_a_row_and_all_others_too(
     bad: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -636,15 +662,24 @@ def test_parts_that_another_run_removes_are_asked_for_again(tmp_path: Path) -> N
 
 
 def test_a_folder_that_parts_cannot_be_kept_in_is_said_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    says = (
-        r"parts, where finished rows are kept, cannot be used \((File name too long|Permission denied)\): name another"
-    )
-    with pytest.raises(inertia.InertiaError, match=says):
+    says = "parts, where finished rows are kept, cannot be used"
+    with pytest.raises(inertia.InertiaError, match=rf"{says} \(File name too long\): name another table$"):
         Parts(tmp_path / f"{250 * 'a'}.parts", Setup("check"))
     (tmp_path / "a.parts").mkdir()
     monkeypatch.setattr(os, "access", lambda *_: False)
-    with pytest.raises(inertia.InertiaError, match=says):
+    with pytest.raises(inertia.InertiaError, match=rf"{says} \(Permission denied\): name another table, or remove it$"):
         Parts(tmp_path / "a.parts", Setup("check"))
+
+
+def test_a_folder_that_goes_while_rows_are_kept_is_said(tmp_path: Path) -> None:
+    (tmp_path / "gone").mkdir()
+    task, setup = Task(str(CUBE)), Setup("check")
+    parts = Parts(tmp_path / "gone" / "t.csv.parts", setup)
+    parts.add(task, answer(task, setup))
+    (tmp_path / "gone").rmdir()
+    says = r"t.csv.parts, .* \(No such file or directory\): name a table in a folder that is there$"
+    with pytest.raises(inertia.WriteError, match=says):
+        parts.close()
 
 
 def test_a_table_that_another_run_writes_is_left_to_it(tmp_path: Path) -> None:

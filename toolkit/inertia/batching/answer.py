@@ -19,9 +19,9 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from inertia.batching.columns import COLUMNS, State
-from inertia.batching.sources import Task, local_copy
+from inertia.batching.sources import Task, is_url, local_copy
 from inertia.errors import GeometryError, InertiaError, ReadError, Remedy, Sentence, Wording, WriteError, visible
-from inertia.mesh.external.memory import in_bytes
+from inertia.mesh.external.memory import in_bytes, resident
 from inertia.mesh.version import CHANGED, sha256_of, state_of
 from inertia.output import inputs_noted, status_of
 from inertia.records import dataclass
@@ -154,6 +154,7 @@ def answer(task: Task, setup: Setup) -> Answer:
     def failed(state: State, code: int, *words: str | Remedy) -> None:
         row.update(state=state, exit_code=code, message=worded(Sentence(*words)))
 
+    short = False
     options = setup.options_of(task)
     before = {task.file: status_of(task.file)}
     with ExitStack() as stack:
@@ -169,6 +170,7 @@ def answer(task: Task, setup: Setup) -> Answer:
             state: State = "unreadable" if isinstance(error, ReadError | WriteError) else "refused"
             if setup.memory is not None and _for_memory(error):
                 failed(state, error.exit_code, *_beyond(file, setup.memory))
+                short = True
             else:
                 placed = visible(file) in error.sentence
                 failed(state, error.exit_code, *(() if placed else (file, ": ")), error.sentence)
@@ -177,19 +179,24 @@ def answer(task: Task, setup: Setup) -> Answer:
             failed("refused", GeometryError.exit_code, file, says)
         except MemoryError:
             failed("refused", GeometryError.exit_code, *_beyond(file, setup.memory))
+            short = True
         except Exception as fault:
             failed("crashed", _FAULT, file, f": a fault of this program, {type(fault).__name__}: {fault}")
+        if short and setup.verb == "analyse" and setup.memory is not None:
+            known = _fault_by_pieces(file, options, setup.memory)
+            if known is not None:
+                failed("refused", known.exit_code, known.sentence)
         if row["sha256"] is None and file != task.path:
             with suppress(OSError, ValueError):
                 row["sha256"] = _digest(Path(file))
-    if file == task.path:
+    if task.member:
+        files = _used(before)
+    elif is_url(task.path):
+        files = (Used(task.path, None, None, None, False),)
+    else:
         others = {os.fspath(name): status for name, status in noted.items() if isinstance(name, Path)}
         files = _used(before | others | opened | before, task.file, row["sha256"])
         row["sha256"] = row["sha256"] or next((used.sha256 for used in files if used.path == task.file), None)
-    elif task.member:
-        files = _used(before)
-    else:
-        files = (Used(task.path, None, None, None, False),)
     row["seconds"] = time.perf_counter() - started
     return Answer(row, files)
 
@@ -198,6 +205,19 @@ def _beyond(file: str, memory: int | None) -> tuple[str | Remedy, ...]:
     if memory is None:
         return file, " needs more memory than there is: split the part or use a larger machine"
     return file, f" needs more memory than a file may take, {in_bytes(memory)}: allow more by ", _MEMORY
+
+
+def _fault_by_pieces(file: str, options: Mapping[str, Any], memory: int) -> GeometryError | None:
+    """Return what is wrong with a part that takes more memory than it may, where that shows piece by piece."""
+    from inertia.mass.analyse import analyse
+
+    with suppress(Exception):  # that it takes too much is the answer then
+        part, others = _part(file, options, {})
+        try:
+            analyse(part, memory=resident() + memory, **others)
+        except GeometryError as fault:  # in its words before what remedies take, which depends on what ran before
+            return fault.__context__ if isinstance(fault.__context__, GeometryError) else fault
+    return None
 
 
 def _for_memory(error: BaseException | None) -> bool:

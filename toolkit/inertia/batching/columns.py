@@ -29,8 +29,8 @@ def _truth(name: str, meaning: str) -> Column:
 
 
 FILE = (
-    _text("path", "the file; of a mesh in an archive, the archive's path and its name there"),
-    _text("sha256", "of its contents; null where it could not be read, or no answer came out of an archive"),
+    _text("path", "the file; of one of several meshes in an archive, the archive's path and its name there"),
+    _text("sha256", "of its bytes; null where they could not be had, and of what in an archive its process died of"),
     _text("state", "answered, refused, unreadable, crashed or timed_out"),
     _count("exit_code", "of the command on this file alone"),
     _text("message", "why there is no answer, or what the answer has to say, in one sentence"),

@@ -7,12 +7,16 @@ import pickle
 import re
 import signal
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 from inertia.batching.answer import Setup, answer
 from inertia.batching.sources import Task
 
 READY = "ready"
+
+_MMAP_THRESHOLD, _OWN_MAPPING = -3, 2**20
+"""M_MMAP_THRESHOLD of malloc.h, and the bytes from which a block is a mapping of its own."""
 
 
 def main() -> None:
@@ -54,12 +58,31 @@ def _warm_up(setup: Setup) -> None:
     for kernel in (KERNEL.facets, KERNEL.faces, *pairing, CODES, ENCLOSE, COMPILED):
         if kernel.worthwhile(LOAD_ABOVE):
             kernel.function  # noqa: B018  # it is loaded by being asked for
+    if setup.memory is not None:
+        _import_for_refusals()
+
+
+def _import_for_refusals() -> None:
+    """Import what a refusal takes, 100 MB that would count for the file, and for all that follow it."""
+    from inertia.errors import GeometryError
+    from inertia.mass.analyse import analyse
+    from inertia.mesh.part import Part
+
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    with suppress(GeometryError):
+        analyse(Part.from_arrays(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3]]))
 
 
 def limit_memory(extra: int) -> None:
-    """Let this process take no more than `extra` bytes beside what it takes now (Linux)."""
+    """Let this process take no more than `extra` bytes beside what it takes now (Linux).
+
+    What a file has taken is given back when it is freed, so that the next one may take as much.
+    """
+    import ctypes
     import resource
 
+    with suppress(AttributeError):  # glibc alone raises the size from which blocks are mappings of their own
+        ctypes.CDLL(None).mallopt(_MMAP_THRESHOLD, _OWN_MAPPING)
     data = re.search(r"VmData:\s*(\d+) kB", Path("/proc/self/status").read_text())
     assert data is not None
     most = resource.getrlimit(resource.RLIMIT_DATA)[1]  # nobody but root may go beyond it

@@ -428,7 +428,10 @@ def _columns(manifest: str, written: Iterable[str], known: Collection[str]) -> l
 
 
 def _records(manifest: str, known: Collection[str]) -> Iterator[tuple[int, Mapping[str, Any]]]:
-    """Yield the rows of a manifest, each with its number in a spreadsheet, where the names of columns are row 1."""
+    """Yield the rows of a manifest, each with its number.
+
+    In CSV that is the one in a spreadsheet, where the names of columns are row 1; the first row of Parquet is row 1.
+    """
     if _URL.match(manifest):
         raise UsageError(f"{visible(manifest)} is a URL, and a manifest is read from a file: copy it to this machine")
     path = Path(manifest)
@@ -440,7 +443,7 @@ def _records(manifest: str, known: Collection[str]) -> Iterator[tuple[int, Mappi
             file = pyarrow.parquet.ParquetFile(path)
             names = _columns(manifest, file.schema_arrow.names, known)
             batches = (batch.rename_columns(names).to_pylist() for batch in file.iter_batches())
-            yield from enumerate(chain.from_iterable(batches), 2)
+            yield from enumerate(chain.from_iterable(batches), 1)
         except OSError as error:
             raise _unreadable(manifest, error) from None
         except pyarrow.ArrowException as error:

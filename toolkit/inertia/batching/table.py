@@ -28,7 +28,7 @@ from inertia.batching.sources import PART, Task
 from inertia.batching.summary import Summary
 from inertia.errors import ReadError, UsageError, WriteError
 from inertia.output import note_input, write_whole
-from inertia.tables import read_table, require_table, table_writer
+from inertia.tables import read_table, require_as_written, require_table, table_writer
 
 if sys.platform != "win32":
     import fcntl
@@ -229,10 +229,13 @@ class Parts:
         try:
             yield
         except OSError as error:
-            raise WriteError(
-                f"{self._folder}, where finished rows are kept, cannot be used ({error.strerror or error}): name "
-                "another table, or remove it"
-            ) from None
+            remedy = "name another table"
+            if error.errno == errno.ENOENT:  # the folder of the table has gone meanwhile
+                remedy = "name a table in a folder that is there"
+            elif self._folder is not None and os.path.lexists(self._folder):
+                remedy += ", or remove it"
+            says = f"{self._folder}, where finished rows are kept, cannot be used ({error.strerror or error}): {remedy}"
+            raise WriteError(says) from None
 
     def _index(self, path: Path) -> None:
         with path.open("rb") as file:
@@ -254,7 +257,8 @@ def merge(path: Path, tables: Sequence[Path]) -> Summary:
     Raises `UsageError` where they do not belong together, or one is missing.
     """
     opened = [read_table(each) for each in tables]
-    abouts = [{name: value for name, value in about.items() if name not in ("shard", "files")} for about, _ in opened]
+    own = ("shard", "files", "sha256")
+    abouts = [{name: value for name, value in about.items() if name not in own} for about, _ in opened]
     for each, about in zip(tables, abouts, strict=True):
         if about.get("schema") != SCHEMA or str(about.get("verb")) not in COLUMNS:
             raise ReadError(f"cannot read {each}: it is no table of a batch")
@@ -289,6 +293,7 @@ def merge(path: Path, tables: Sequence[Path]) -> Summary:
             number = shards[k][0]
             if lengths[k] != (wanted := len(range(number - 1, lists[0]["count"], count))):
                 raise ReadError(f"cannot read {tables[k]}: it has {lengths[k]} of {wanted} rows: run its shard again")
+            require_as_written(tables[k], opened[k][0])
     return summary
 
 

@@ -36,6 +36,12 @@ class Irregular:
     faces: Int
     edges: Edges
 
+    @classmethod
+    def none(cls, triangles: Triangles) -> Irregular:
+        """Return those of a surface that has none."""
+        no, two, three = (np.empty(shape, np.int64) for shape in ((0,), (0, 2), (0, 3)))
+        return cls(triangles.select(no), no, np.empty((0, 3)), three, Edges(two, no, no, no))
+
 
 @dataclass(frozen=True, eq=False)
 class TooMany:
