@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import threading
 import weakref
+from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -110,17 +111,23 @@ class RowsInFile:
 
     def block(self, start: int, stop: int) -> NDArray[Any]:
         """Return rows `start:stop`; raises `ReadError` where the file has changed."""
-        size, at = self._row.itemsize * (stop - start), self._offset + self._row.itemsize * start
+        (data,) = self._bytes([(start, stop)])
+        return np.frombuffer(data, self._row)
+
+    def _bytes(self, spans: Iterable[tuple[int, int]]) -> Iterator[bytes]:
+        """Yield rows `start:stop` of each span; only where all are taken, the file is known to be the same for all."""
+        width = self._row.itemsize
         try:
-            data = self._read(size, at)
+            for start, stop in spans:
+                data = self._read(width * (stop - start), self._offset + width * start)
+                if len(data) < width * (stop - start):
+                    raise ReadError(CHANGED, code="changed")
+                yield data
             self._version.require(os.fstat(self._file), links=False)
-            if len(data) < size:
-                raise ReadError(CHANGED, code="changed")
         except OSError as error:
             raise ReadError(f"cannot read {self.name}: {error.strerror}: check the disk") from error
         except ReadError as error:
             raise placed(error, f"cannot read {self.name}") from None
-        return np.frombuffer(data, self._row)
 
     def select(self, index: NDArray[Any]) -> NDArray[Any]:
         """Return the rows picked by an index or mask array."""
@@ -130,8 +137,10 @@ class RowsInFile:
             back = np.empty_like(order)
             back[order] = np.arange(len(order))
             return self.select(places[order]).take(back)
-        rows = np.empty(len(places), self._row)
         ends = np.flatnonzero(np.diff(places, append=self.count + _GAP) >= _GAP) + 1
+        if 0 < len(ends) == len(places):  # far from each other
+            return np.frombuffer(bytearray(b"".join(self._bytes((k, k + 1) for k in places.tolist()))), self._row)
+        rows = np.empty(len(places), self._row)
         for first, last in pairwise([0, *ends.tolist()]):
             for some in range(first, last, _SCANNED):
                 run = places[some : min(some + _SCANNED, last)]
