@@ -190,7 +190,7 @@ def with_kills(arguments: list[str], kills: int, table: Path) -> dict[str, Any]:
     done, rng = 0, random.Random(18)
     known: set[int] = set()
     while run.poll() is None and done < kills:
-        time.sleep(rng.uniform(0.3, 1.0))
+        time.sleep(rng.uniform(0.2, 0.6))
         workers = children(run.pid)
         if at_work := [worker for worker in workers if worker in known]:  # a machine under load starts them slowly
             os.kill(rng.choice(at_work), signal.SIGKILL)
@@ -231,7 +231,7 @@ def main() -> int:
     """Measure, and print a document."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--parts", type=int, default=10_000)
-    parser.add_argument("--few", type=int, default=1000, help="parts of what is run several times")
+    parser.add_argument("--few", type=int, default=3000, help="parts of what is run several times")
     options = parser.parse_args()
     folder = Path(tempfile.mkdtemp(prefix="batch"))
     try:
