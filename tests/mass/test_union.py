@@ -156,6 +156,16 @@ def test_what_may_come_to_light_is_in_the_bound(boxes: list, chords: list[float]
     assert abs(analysis.properties.volume - true) <= analysis.tessellation.volume * analysis.properties.volume
 
 
+def test_a_chord_that_is_stated_counts_for_what_is_hidden_too() -> None:
+    """Twenty plates, each a little into the next, all of which may be thinner at both faces."""
+    plates = [box((0, 0, 0.049 * k), (1, 1, 0.049 * k + 0.05)) for k in range(20)]
+    part = solids.part(joined(*plates), unit="m")
+    stated = inertia.analyse(part, union=True, chord=0.004)
+    own = inertia.analyse(replace(part, chord=np.full(part.triangles.count, 0.004)), union=True)
+    assert stated.tessellation == own.tessellation
+    assert stated.properties.volume - 20 * 0.042 <= stated.tessellation.volume * stated.properties.volume
+
+
 def test_text_and_json_say_what_counted_more_than_once(capsys: pytest.CaptureFixture[str]) -> None:
     file = str(path("broken/overlapping_cubes.stl"))
     assert main(["analyse", file, "--union", "--json"]) == 0

@@ -8,6 +8,7 @@ import hypothesis
 import numpy as np
 import pytest
 from hypothesis import strategies as st
+from tests.mesh.solids import cylinder
 
 from inertia.errors import GeometryError, UsageError
 from inertia.mesh.geometry.halfedges import half_edges
@@ -138,6 +139,18 @@ class TestVertices:
         assert 0 < crack.largest_move <= 3**0.5 * size * shift
         assert volume(repaired.part) == pytest.approx(size**3, rel=6 * shift)
         assert uses(repaired.part) == {}
+
+    def test_what_is_sound_beside_cracks_is_left_alone_however_fine_it_is(self):
+        """A rod of facets that are narrower than the cracks are wide."""
+        rng = np.random.default_rng(3)
+        cracked = cube() + 3e-4 * rng.uniform(-1, 1, (12, 3, 3)) / 2
+        vertices, faces = cylinder(0.5, 0.02, 1024)
+        rod = vertices[faces] + 3.0
+        repaired = repair(soup(np.concatenate([cracked, rod])))
+        assert repaired.changes[-1].what == "cracks merged"
+        kept = repaired.part.triangles.corners()
+        assert sorted(map(bytes, kept[kept.min(axis=(1, 2)) > 2])) == sorted(map(bytes, rod))
+        assert volume(repaired.part) == pytest.approx(1 + np.pi * 0.02**2 * 0.5, rel=2e-3)
 
     def test_a_piece_among_cracks_and_holes_may_be_no_sheet(self):
         corners = cube() + np.array([1e-4, 0, 0]) * (np.arange(12) % 2)[:, None, None]

@@ -293,7 +293,7 @@ def _without_unstated(value: Any) -> Any:
     """Return tables, and lists of them, without the fields that are None, as rows of JSON or of a frame have them."""
     if isinstance(value, Mapping):
         return {key: _without_unstated(entry) for key, entry in value.items() if entry is not None}
-    return [_without_unstated(entry) for entry in value] if type(value) is list else value
+    return [_without_unstated(entry) for entry in value] if isinstance(value, list | tuple) else value
 
 
 def toml_table(text: str) -> dict[str, Any]:

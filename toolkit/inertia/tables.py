@@ -240,7 +240,7 @@ def read_table(path: Path) -> tuple[dict[str, Any], Iterator[dict[str, Any]]]:
 
 def require_as_written(path: Path, about: Mapping[str, Any]) -> None:
     """Raise `ReadError` where a table has other bytes than what stands beside it was written for."""
-    if path.suffix.lower() != ".parquet" and about.get("sha256") != _digest(path):
+    if path.suffix.lower() != ".parquet" and "sha256" in about and about["sha256"] != _digest(path):
         beside = _beside(path).name
         raise ReadError(
             f"cannot read {path}: it is not the table that {beside} was written for, or was changed since: keep the "

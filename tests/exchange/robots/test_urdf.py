@@ -292,13 +292,21 @@ def test_packages_lie_where_the_environment_says(
     assert shape_of(robot, "gripper") == gripper
 
 
+@pytest.mark.parametrize("reference", ["package:///", "model://arm/", "package://arm//", "package://empty/"])
+def test_a_mesh_of_the_robot_s_own_is_found_however_it_is_named(robot: Path, reference: str) -> None:
+    (robot.parent / "empty").mkdir()
+    robot.write_text(ROBOT.replace("package://arm/", reference))
+    assert read_robot(robot).links[1].geometries[0].shape == robot.parent.parent / "meshes" / "upper.stl"
+
+
 def test_a_package_is_called_what_its_package_xml_says(robot: Path) -> None:
     """As in a folder that a repository was cloned or unpacked into."""
     mesh = robot.parent.parent / "meshes" / "upper.stl"
     (robot.parent.parent / "package.xml").write_text("<package><name> arm_description </name></package>")
     assert shape_of(robot, "arm_description") == mesh
     (robot.parent.parent / "package.xml").write_text("<package><name>arm_desc")
-    assert "there is no package" in str(shape_of(robot, "arm_description"))
+    assert shape_of(robot, "arm_description") == mesh  # a name that cannot be read is no other name
+    assert "is called 'arm_description'" in read_robot(robot).notes[0]
 
 
 QUATERNION = 'quat_xyzw="0 0 1.4 1.4"'

@@ -61,7 +61,13 @@ def faults(stated: Statement) -> Iterator[Fault]:
     moments = np.linalg.eigvalsh(written)
     names = ", ".join(f"{moment:.4g}" for moment in moments)
     if not _positive_definite(_exact(written)):
-        yield Fault(f"the tensor is not positive definite: its principal moments are {names}", 1.0)
+        sentence = f"the tensor is not positive definite: its principal moments are {names}"
+        figures = stated.figures[1]
+        if figures is not None and moments[2] > 0:
+            axis = np.abs(np.linalg.eigh(written)[1][:, 0])  # of the least moment
+            if moments[0] >= -float(axis @ figures.half_units(written) @ axis):
+                sentence += _AS_WRITTEN
+        yield Fault(sentence, 1.0)
         return
     trace = Fraction(float(np.trace(written)))
     rounding = Fraction(rounding_of(written, stated.figures[1]))

@@ -356,6 +356,8 @@ def _answer(
     if union:
         from inertia.mass.union import united_for
 
+        if chord is not None:  # before it is united, as what is hidden is off as well
+            part = _off_by(part, chord)
         united, stated = united_for(part, stated, _part_of(progress, 0.0, 0.8))
         origin = None if united.origins is None else (part, united.origins)
         part, progress = united.part, _part_of(progress, 0.8, 1.0)
@@ -369,7 +371,7 @@ def _answer(
         absolute=orientation == "absolute",
         intersections=intersections,
         parts=parts,
-        chord=chord,
+        chord=None if union else chord,
         allowance=allowance,
         memory=memory,
         workers=workers,
@@ -391,7 +393,7 @@ def _answer(
             ": ask for a larger figure",
             code="accuracy",
         )
-    tolerance = part.chord if chord is None else float(chord)
+    tolerance = part.chord if chord is None or union else float(chord)
     if model != "solid" or integral.shape is not None:
         tolerance = None
     tessellation = None if tolerance is None else answer.tessellation(tolerance)
@@ -514,7 +516,7 @@ def _integrals(
     if isinstance(part.geometry, Cells):
         return model, volume, cell_integrals(part, named, intersections=intersections, progress=progress)
     if chord is not None:
-        part = replace(part, chord=np.full(part.triangles.count, float(chord)))
+        part = _off_by(part, chord)
     solid = surface_integrals(
         part,
         named,
@@ -526,6 +528,11 @@ def _integrals(
         progress=progress,
     )
     return model, volume, solid
+
+
+def _off_by(part: Part, chord: float) -> Part:
+    """Return a part whose triangles are off by up to a length in its unit."""
+    return replace(part, chord=np.full(part.triangles.count, float(chord)))
 
 
 @contextmanager

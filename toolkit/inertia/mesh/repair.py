@@ -39,11 +39,11 @@ from inertia.mesh.repairs.holes import around, fill, refuse_sheets, rims, sheets
 from inertia.mesh.repairs.orientation import Nest, inconsistent, nest
 from inertia.mesh.repairs.weld import (
     close_vertices,
-    closing_distance,
     clusters,
     compact,
     diagonal,
     require_finite,
+    rim_distance,
     weld_within,
 )
 from inertia.mesh.surface import Surface, Triangles
@@ -51,6 +51,7 @@ from inertia.mesh.unite import unite
 from inertia.records import dataclass
 
 _CRACK = 1e-6  # width of a crack that is closed unasked, over the diagonal of the part's box
+_CHAIN = 4  # times the distance that closes cracks, that a vertex may go
 _FEW = 100  # bodies whose boxes are compared one by one
 _ROUNDING = 2.0**-51  # of the largest coordinate
 _NAMED = 5  # triangles named in a change
@@ -215,7 +216,7 @@ def _repaired(
     steps: list[Callable[[_Mesh], _Step]] = [
         lambda mesh: _without(mesh, _repeating(mesh.faces), "triangles with a repeated corner removed"),
         _without_cracks if tolerance is None else lambda mesh: _welded(mesh, tolerance),
-        _without_wide_cracks if bounded else _without_parting_cracks if tolerance is None else lambda mesh: (mesh, []),
+        lambda mesh: _without_wide_cracks(mesh, not bounded) if bounded or tolerance is None else (mesh, []),
         lambda mesh: _without_copies(mesh, regions),
         _without_doubles_and_fins,
         _wound_alike,
@@ -292,22 +293,24 @@ def _without_cracks(mesh: _Mesh) -> _Step:
     return _merged(mesh, into, "vertices at cracks merged")
 
 
-def _without_wide_cracks(mesh: _Mesh) -> _Step:
-    vertices, faces = compact(mesh.vertices, mesh.faces)  # one that is left over from a crack is no stepping stone
-    mesh = replace(mesh, vertices=vertices, faces=faces)
+def _without_wide_cracks(mesh: _Mesh, parting: bool) -> _Step:
+    """Merge cracks; where `parting`, only such that part a surface in pieces, each of which would be filled by itself.
+
+    Only vertices at open edges become others, so that whatever else lies near is left alone.
+    """
     edges = pair_edges(mesh.faces)
-    if edges.balanced.all():
+    surplus = edges.forward - edges.backward
+    distance = rim_distance(mesh.vertices, edges.ends, surplus)
+    if distance is None:
         return mesh, []
-    distance = closing_distance(
-        Surface(mesh.vertices, mesh.faces), mesh.vertices, edges.ends, edges.forward - edges.backward
-    )
-    return (mesh, []) if distance is None else _merged(mesh, clusters(mesh.vertices, distance), "cracks merged")
-
-
-def _without_parting_cracks(mesh: _Mesh) -> _Step:
-    """Merge wide cracks that part a surface in pieces, each of which would be filled by itself, or be a sheet."""
-    merged, changes = _without_wide_cracks(mesh)
-    return (merged, changes) if changes and _pieces(merged.faces) < _pieces(mesh.faces) else (mesh, [])
+    points, into = np.unique(edges.ends[surplus != 0]), np.arange(len(mesh.vertices))
+    into[points] = points[clusters(mesh.vertices[points], distance)]
+    if np.linalg.norm(mesh.vertices - mesh.vertices[into], axis=1).max() > _CHAIN * distance:
+        return mesh, []
+    merged, changes = _merged(mesh, into, "cracks merged")
+    closed = pair_edges(merged.faces).balanced.all() and not len(copies(merged.faces))
+    fewer = not parting or _pieces(merged.faces) < _pieces(mesh.faces)
+    return (merged, changes) if closed and fewer else (mesh, [])
 
 
 def _pieces(faces: Int) -> int:

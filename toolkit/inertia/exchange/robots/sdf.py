@@ -404,7 +404,7 @@ def _geometries(
                 if kind.tag == "mesh":
                     reference = kind.findtext("uri", "").strip()
                     label = file_name(reference) or label
-                    solid = mesh_file(reference, folder)
+                    solid = mesh_file(reference, folder, notes)
                     scale = None if kind.find("scale") is None else scales(kind.findtext("scale", ""), what)
                     if kind.find("submesh") is not None:
                         solid = "a part of a mesh's file cannot be weighed"

@@ -31,6 +31,7 @@ _VALUE = re.compile(r"""=\s*("[^"]*"|'[^']*')""")
 _DECIMAL = re.compile(r"[+-]?(?=\.?\d)(\d*)(?:\.(\d*))?(?:[eE]([+-]?\d+))?", re.ASCII)
 _LOST = 1e-9  # of the largest number: what is smaller is what computing zero left
 _MOST_DECIMALS = 1e6  # more than any float64 has; an exponent may have more digits than an int is read from
+_CALLED = {"package": "package.xml", "model": "model.config"}  # the files that say what a folder is called
 _FIRST = re.compile(r"<([\w.-]+)")
 _SEARCHED = (
     ("ROS_PACKAGE_PATH", ""),
@@ -133,9 +134,9 @@ def mesh_file(reference: str, folder: Path, notes: dict[str, None] | None = None
     """Return the file that a robot's description means by a mesh's name.
 
     ``package://name/path`` and ``model://name/path`` are looked for in the folders above the description that are
-    called `name`, or whose package.xml says that they are, then in those beside them, then where the environment says
-    (`_SEARCHED`). Of a package that is in none of these places, a file in the folders above is taken, with a note in
-    `notes`, unless a package.xml there gives another name: another package may have a file of the same name.
+    called `name`, or whose package.xml or model.config says that they are, then in those beside them, then where the
+    environment says (`_SEARCHED`). Of what is in none of these places, a file in the folders above is taken, with a
+    note in `notes`, up to one that has a name there: another package may have a file of the same name.
 
     What is not there is returned where it would be. Raises `ReadError` for what is no file's name, and for a package
     that is nowhere.
@@ -152,12 +153,14 @@ def mesh_file(reference: str, folder: Path, notes: dict[str, None] | None = None
             raise ReadError(f"the mesh {shown(reference)} is not a file: write file:///path") from None
     elif scheme in ("package", "model"):
         package, _, path = rest.partition("/")
-        # As the folder is named, it may have no parents.
-        roots = list(_packages(package, folder.absolute())) if package else []
-        if not roots and scheme == "package" and package and notes is not None:
-            roots = [root for root in _nameless(folder.absolute()) if is_file(root / path)][:1]
-            words = f"no folder or package.xml is called {shown(package)}: its files are taken from"
-            notes |= dict.fromkeys(f"{words} {root}" for root in roots)
+        path, folder = path.lstrip("/"), folder.absolute()  # as it is named, it may have no parents
+        roots = list(_packages(package, folder)) if package else []
+        if notes is not None and not any(root == folder or root in folder.parents for root in roots):
+            found = any(is_file(root / path) for root in roots)
+            nameless = [root for root in _nameless(folder) if not found and is_file(root / path)][:1]
+            words = f"no folder or {_CALLED[scheme]} is called {shown(package)}: its files are taken from"
+            notes |= dict.fromkeys(f"{words} {root}" for root in nameless)
+            roots = nameless or roots
         if not roots:
             variable = "ROS_PACKAGE_PATH" if scheme == "package" else "GZ_SIM_RESOURCE_PATH"
             raise ReadError(
@@ -190,18 +193,21 @@ def _packages(name: str, folder: Path) -> Iterator[Path]:
 def _nameless(folder: Path) -> Iterator[Path]:
     """Yield a folder and those above it that may be a package of any name, as no package.xml says which."""
     for parent in (folder, *folder.parents):
-        if is_file(parent / "package.xml"):
+        if _package_name(parent):
             return
         yield parent
 
 
 def _package_name(folder: Path) -> str:
-    """Return what the package.xml of a folder calls it; "" where it has none that says so."""
-    file = folder / "package.xml"
-    try:
-        return parse_xml(file.read_bytes()).findtext("name", "").strip() if is_file(file) else ""
-    except (OSError, ReadError):
-        return ""
+    """Return what a folder's package.xml, or Gazebo's model.config, calls it; "" where it has none that says so."""
+    for file in (folder / name for name in _CALLED.values()):
+        try:
+            name = parse_xml(file.read_bytes()).findtext("name", "").strip() if is_file(file) else ""
+        except (OSError, ReadError):
+            continue
+        if name:
+            return name
+    return ""
 
 
 def _is_folder(place: Path) -> bool:

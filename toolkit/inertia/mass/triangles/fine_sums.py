@@ -18,16 +18,17 @@ Bounds, lengths in steps, with R the farthest A along an axis, u and v two edges
 N triangles, g the step of the grid of d. A normal's remainder is m = u × q + p × w with w = v + q, where p and q are
 what the remainders make of the edges, at most 1 along each axis. The four products of its coordinate x are at most
 |w_y|, |w_z|, |u_z|, |u_y|; six, five, three and two roundings enter, and four, three or two of the product of A with m
-and of what that is added to. By Cauchy's inequality, as Σ (10 |v| + 7 |u|) is below 12 L, the remainders of d are
-together off by u Σ R (12 (L + L') + 19 N) over the three axes, L and L' along the two others. To these come u (14 L +
-11 N) of each axis from the product of the corner's remainder, half a step or less, with m, 2.6 u L L' / N from that
-with n, and 9 u g N from the residues of the three products on the grid. With e the sum of all that, B ≤ 12 R² a
-bracket, l the magnitudes of the remainders of d, which are summed too: the remainder of a product with B is off by e B
-+ u (2 B l + 84 R |d|) and one and a half u steps of its sum's grid: six remainders of half a step or less that are
-added in pairs (12 R), at most six numbers they multiply (12 R), six fused additions (42 R), d and the last addition (18
-R). It passes through 42 additions (32 down a lane, five across the lanes, four and one across the blocks), each off by
-u of B l + 12 R |d| and half such a step. With s for the bracket it is S = 3 R for B. No step of this holds unless Σ |d|
-is below 2⁵⁰ g, and so is what the three terms of one d can be, 24 times the product of the three R.
+and of what that is added to. By Cauchy's inequality, as Σ (10 |w| + 6 |u|) is below 12 L + 10 N, and Σ (9 |w| + 7 |u|)
+below 12 L + 9 N, the remainders of d are together off by u Σ R (12 (L + L') + 19 N) over the three axes, L and L' along
+the two others. To these come u (14 L + 11 N) of each axis from the product of the corner's remainder, half a step or
+less, with m, 2.6 u L L' / N from that with n, and 9 u g N from the residues of the three products on the grid. With e
+the sum of all that, B ≤ 12 R² a bracket, l the magnitudes of the remainders of d, which are summed too: the remainder
+of a product with B is off by e B + u (2 B l + 84 R |d|) and one and a half u steps of its sum's grid: six remainders of
+half a step or less that are added in pairs (12 R), at most six numbers they multiply (12 R), six fused additions (42
+R), d and the last addition (18 R). It passes through 42 additions (32 down a lane, five across the lanes, four and one
+across the blocks), each off by u of B l + 12 R |d| and half such a step. With s for the bracket it is S = 3 R for B. No
+step of this holds unless Σ |d| is below 2⁵⁰ g, and so is what the three terms of one d can be, 24 times the product of
+the three R.
 
 A sheared coordinate is off by m = u (2 ρ + 1), where the remainders that it is made of are at most ρ of its steps.
 Every corner at one place is moved alike: the surface stays closed, and an integral of f over the solid changes by at

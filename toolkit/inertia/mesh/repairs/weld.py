@@ -142,6 +142,18 @@ def closing_distance(
     return named if closed else None
 
 
+def rim_distance(vertices: Float, ends: Int, surplus: Int) -> float | None:
+    """Return the smallest distance, rounded up to three digits, that closes open edges when only their ends are merged.
+
+    Parameters are as of `closing_distance`, and so is when there is none.
+    """
+    ends, surplus = ends[surplus != 0], surplus[surplus != 0]
+    if not 0 < len(ends) <= _EDGES:
+        return None
+    distance = _closing(vertices, np.unique(ends), ends, surplus, _CRACK * diagonal(vertices) * _ABOVE)
+    return None if distance is None else float(_THREE_DIGITS.create_decimal_from_float(distance * _ABOVE))
+
+
 def may_close(vertices: Float, box: Float, ends: Int, surplus: Int) -> bool:
     """Say whether welding the ends of open edges closes a surface, so that `closing_distance` has to look at all of it.
 
