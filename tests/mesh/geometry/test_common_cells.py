@@ -43,6 +43,22 @@ def test_triangles_that_meet_others_are_never_left_out(seed: int, scale: float) 
     assert left_out.mean() > 0.3
 
 
+@pytest.mark.parametrize("length", [1, 3, 4, 9])
+@pytest.mark.parametrize("seed", range(3))
+def test_runs_of_triangles_of_several_groups_are_never_left_out(seed: int, length: int) -> None:
+    rng = np.random.default_rng(seed)
+    along = np.cumsum(0.3 * rng.normal(size=(6_000, 1, 3)), axis=0)  # each near the one before
+    corners = along + 0.2 * rng.normal(size=(6_000, 3, 3))
+    groups = np.arange(6_000) // length % 3
+    # Those of the last third have a corner of some of the first, of another group.
+    other = rng.choice(np.flatnonzero(groups[:2_000] == 0), 2_000)
+    meet = np.flatnonzero(groups[4_000:] == 1)
+    corners[4_000 + meet, 0] = corners[other[meet], 1]
+    near = in_common_cells(soup(corners), groups, np.zeros(3, np.int64))
+    assert near is not None
+    assert set(other[meet]) | set(4_000 + meet) <= set(near.tolist())
+
+
 def hollow(wall: float) -> tuple[Surface, np.ndarray]:
     outer, faces = sphere(splits=5)
     surface = Surface(np.vstack([outer, (1 - wall) * outer]), np.vstack([faces, faces + len(outer)]))

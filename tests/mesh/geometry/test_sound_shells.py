@@ -136,6 +136,48 @@ def test_random_shells_are_sound_where_they_are_nested_one_by_one(seed: int) -> 
         assert pieces.crowded or counted(surface) == (len(bodies(nested)) if sound else None)
 
 
+def in_a_ball(*inner: Mesh, mixed: int | None) -> Surface:
+    """Return a ball of 20,480 triangles, and what is in it, these in the order in which they are or any other."""
+    surface = joined(sphere(radius=2.0, splits=5), *inner)
+    if mixed is None:
+        return surface
+    return Surface(surface.vertices, np.random.default_rng(mixed).permutation(surface.faces))
+
+
+LARGE = {
+    "a thick wall": [inside_out(sphere(radius=1.2, splits=5))],
+    "a thin wall": [inside_out(sphere(radius=1.95, splits=5))],
+    "a cavity beside the middle, and pores": [
+        inside_out(sphere((0.5, 0.4, 0.3), radius=1.0, splits=5)),
+        *(inside_out(sphere((-1.2, 0.25 * k, 0.1 * k), radius=0.1, splits=1)) for k in range(-3, 4)),
+    ],
+    "a ball in a cavity": [inside_out(sphere(radius=1.5, splits=5)), sphere((0.3, 0, 0), radius=1.0, splits=5)],
+}
+
+
+@pytest.mark.parametrize("mixed", [None, 0])
+@pytest.mark.parametrize("store", [facets, lambda surface: surface], ids=["facets", "surface"])
+@pytest.mark.parametrize("name", LARGE)
+def test_large_shells_are_nested_as_small_ones_are(
+    name: str, store: Callable[[Surface], Triangles], mixed: int | None
+) -> None:
+    assert counted(store(in_a_ball(*LARGE[name], mixed=mixed))) == (2 if name == "a ball in a cavity" else 1)
+
+
+@pytest.mark.parametrize("mixed", [None, 0])
+@pytest.mark.parametrize(
+    "spike",
+    [
+        inside_out(sphere((0.5, 0, 0), radius=1.52, splits=5)),  # through the wall at one place
+        inside_out(sphere((-1.9, 0, 0), radius=0.12, splits=1)),
+        inside_out(sphere((0.8, 0.8, 1.6), radius=0.05, splits=0)),
+    ],
+)
+def test_one_place_at_which_a_large_shell_is_broken_through_is_not_missed(spike: Mesh, mixed: int | None) -> None:
+    sound = [inside_out(sphere((0.2, 0, -0.2), radius=0.9, splits=5))] if len(spike[1]) < 1000 else []
+    assert counted(in_a_ball(*sound, spike, mixed=mixed)) is None
+
+
 def test_shells_that_cross_themselves_are_still_looked_for_one_by_one() -> None:
     vertices, faces = sphere(splits=2)
     vertices = vertices.copy()

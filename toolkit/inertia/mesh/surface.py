@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from inertia.arrays import Bool, Float, Int, is_masked
 from inertia.errors import GeometryError, ReadError, UsageError, placed
 from inertia.mesh.version import CHANGED, Version
+from inertia.native import Kernel
 
 FACET = np.dtype(
     [
@@ -31,6 +32,7 @@ FACET = np.dtype(
 """One record of a binary STL file: a normal (ignored), nine coordinates, an attribute; 50 bytes, packed."""
 
 _CORNERS_OFFSET = 12
+_WIDEN = Kernel("inertia.mesh.facet_kernel", "widen_facets", "pip")
 
 _SCANNED = 65_536  # triangles looked at together
 _GAP = 512  # triangles that are read along with their neighbours rather than passed over
@@ -75,8 +77,13 @@ class Facets:
 
     def corners(self, start: int = 0, stop: int | None = None) -> Float:
         """Return the corners of triangles `start:stop`, (k, 3, 3), widened exactly to float64."""
+        stored = self.corners_f4(start, stop)
+        if _WIDEN.worthwhile(len(stored)):
+            corners = np.empty(stored.shape)
+            _WIDEN.function(stored.ctypes.data, len(stored), corners.ctypes.data)
+            return corners
         with np.errstate(invalid="ignore"):  # a signalling NaN becomes a quiet one
-            return self.corners_f4(start, stop).astype(np.float64)
+            return stored.astype(np.float64)
 
     def sample(self, count: int) -> Float:
         """Return the corners of at least `count` triangles (or all), evenly spread, (k, 3, 3)."""

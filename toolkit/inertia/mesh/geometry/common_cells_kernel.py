@@ -8,6 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numba import carray, njit
 
+from inertia.mesh.geometry.shell_kernel import least, most
+
 FAMILY = np.uint64(0x9E3779B97F4A7C15)
 SIDE = 4  # cells along a block
 FAR, NUMBERS = 2.0**20, (1 << 20) - 1  # cells from the origin, at most; bits of the number of a block along an axis
@@ -16,11 +18,9 @@ IN_ROWS, EVERY_SIXTEENTH, PLANE = np.uint64(0x1111111111111111), np.uint64(0x000
 
 
 @njit(error_model="numpy", forceinline=True)
-def cells_of(points, faces, k, axis, origin, factor):
-    """Return the first and the last cell of a triangle along an axis: that of no point of it is outside them."""
-    a, b, c = points[faces[k, 0], axis], points[faces[k, 1], axis], points[faces[k, 2], axis]
-    low, high = (min(a, b, c) - origin) * factor, (max(a, b, c) - origin) * factor
-    return np.int64(np.floor(low)), np.int64(np.floor(high)), max(-low, high)
+def widened(low, high, a, b, c):
+    """Return the least and the largest of a range and a triangle's three coordinates."""
+    return least(low, a, b, c), most(high, a, b, c)
 
 
 @njit(error_model="numpy", forceinline=True)
@@ -30,17 +30,30 @@ def along(block, first, last):
     return (LINE >> np.uint64(SIDE - 1 - high)) & (LINE << np.uint64(low))
 
 
+@njit(error_model="numpy", forceinline=True)
+def in_rows(part):
+    """Return a plane's rows of cells as bits of it."""
+    return (part | part << np.uint64(3) | part << np.uint64(6) | part << np.uint64(9)) & EVERY_FOURTH
+
+
+@njit(error_model="numpy", forceinline=True)
+def in_planes(part):
+    """Return a block's planes of cells as bits of it."""
+    return (part | part << np.uint64(15) | part << np.uint64(30) | part << np.uint64(45)) & EVERY_SIXTEENTH
+
+
 def enter_cells(
-    vertices_at, vertices, faces_at, group_at, count, x, y, z, factor, family_at, families,
-    keys_at, owners_at, cells_at, bits, slots_at, own_at, near_at, state_at, again,
+    vertices_at, vertices, faces_at, group_at, count, run, x, y, z, factor, family_at, families,
+    keys_at, owners_at, cells_at, bits, slots_at, own_at, more_at, parts_at, room_at,
 ):  # fmt: skip
-    """Enter triangles in the table of cells, or, `again`, mark those in cells that others of their family may be in.
+    """Enter the boxes of runs of triangles, `run` one after another, in the table of cells, group by group.
 
     `keys`, `owners` and `cells` are a table of 2^bits blocks of 4 × 4 × 4 cells, zeros at first: two groups plus one
-    that have triangles in the block, and which cells those of the first, of the second, and of all others are in. Keys
-    that are equal by chance can only mark more. `slots` and `own` say where a triangle in one block is. `state` has how
-    many blocks there is room for, and how many triangles may be in. Returns 1 where there is no more room, 2 where
-    triangles are in too many blocks, or too far off.
+    that are in the block, and which cells those of the first, of the second, and of all others are in. Keys that are
+    equal by chance can only mark more. `slots` and `own` say where a run is that is in one block; of one that is in
+    several, or in several groups, `slots` has their number, negative, and `more` and `parts`, from where `room` says,
+    where it is in them. `room` has how many blocks may be added, where `more` goes on and where it ends. Returns 1
+    where there is no more room, 2 where runs are in too many blocks, or too far off.
     """
     points = carray(vertices_at, (vertices, 3), np.float64)
     faces = carray(faces_at, (count, 3), np.int64)
@@ -48,68 +61,93 @@ def enter_cells(
     family = carray(family_at, (families,), np.int64)
     keys, owners = carray(keys_at, (1 << bits,), np.uint64), carray(owners_at, (1 << bits, 2), np.int32)
     cells = carray(cells_at, (1 << bits, 3), np.uint64)
-    slots, own = carray(slots_at, (count,), np.int32), carray(own_at, (count,), np.uint64)
-    near, state = carray(near_at, (count,), np.uint8), carray(state_at, (2,), np.int64)
-    none, most = np.uint64(0), np.int64((1 << bits) - 1)
-    slot, last = np.int64(0), none
-    for k in range(count):
-        if again and slots[k] >= 0:
-            near[k] = (own[k] & cells[slots[k], 0]) != none
-            continue
-        number = np.int32(group[k] + 1)
-        salt = np.uint64(family[group[k]] + 1) * FAMILY
-        a, b, far = cells_of(points, faces, k, 0, x, factor)
-        c, d, farther = cells_of(points, faces, k, 1, y, factor)
-        e, f, farthest = cells_of(points, faces, k, 2, z, factor)
-        if not max(far, farther, farthest) < FAR:
-            return 2
-        blocks = ((b >> 2) - (a >> 2) + 1) * ((d >> 2) - (c >> 2) + 1) * ((f >> 2) - (e >> 2) + 1)
-        state[1] -= blocks
-        if state[1] < 0:
-            return 2
-        found = none
-        for p in range(a >> 2, (b >> 2) + 1):
-            rows = along(p, a, b) * IN_ROWS
-            for q in range(c >> 2, (d >> 2) + 1):
-                part = along(q, c, d)
-                part = (part | part << np.uint64(3) | part << np.uint64(6) | part << np.uint64(9)) & EVERY_FOURTH
-                both = rows & (part * LINE * EVERY_SIXTEENTH)
-                for r in range(e >> 2, (f >> 2) + 1):
-                    part = along(r, e, f)
-                    part |= part << np.uint64(15) | part << np.uint64(30) | part << np.uint64(45)
-                    part = both & ((part & EVERY_SIXTEENTH) * PLANE)
-                    key = salt + np.uint64((p & NUMBERS) | (q & NUMBERS) << 20 | (r & NUMBERS) << 40)
-                    key += np.uint64(key == none)
-                    if key != last:
-                        last = key
-                        slot = np.int64((key ^ key >> np.uint64(32)) * FAMILY >> np.uint64(64 - bits))
-                        while keys[slot] != key and keys[slot] != none:
-                            slot = (slot + 1) & most
-                        if keys[slot] == none:
-                            if state[0] == 0:
-                                return 1
-                            state[0] -= 1
-                            keys[slot], owners[slot, 0] = key, number
-                    if again:
-                        found |= part & cells[slot, 0]
-                    elif owners[slot, 0] == number:
-                        cells[slot, 0] |= part
-                    elif owners[slot, 1] == number or owners[slot, 1] == 0:
-                        owners[slot, 1] = number
-                        cells[slot, 1] |= part
-                    else:
-                        cells[slot, 2] |= part
-                    own[k] = part
-        if again:
-            near[k] = found != none
-        else:
-            slots[k] = slot if blocks == 1 else -1
+    runs = (count + run - 1) // run
+    slots, own = carray(slots_at, (runs,), np.int32), carray(own_at, (runs,), np.uint64)
+    room = carray(room_at, (3,), np.int64)
+    more, parts = carray(more_at, (room[2],), np.int32), carray(parts_at, (room[2],), np.uint64)
+    none, final = np.uint64(0), np.int64((1 << bits) - 1)
+    slot, last, at = np.int64(0), none, room[1]
+    before, number, salt = np.int64(-1), np.int32(0), none
+    for n in range(runs):
+        k, stop = n * run, min((n + 1) * run, count)
+        slots[n] = 0
+        while k < stop:
+            if group[k] != before:  # triangles of a group mostly follow one another
+                before = group[k]
+                number, salt = np.int32(before + 1), np.uint64(family[before] + 1) * FAMILY
+            begin, i = k, faces[k, 0]
+            lx = hx = points[i, 0]
+            ly = hy = points[i, 1]
+            lz = hz = points[i, 2]
+            while k < stop and group[k] == before:
+                i, j, m = faces[k, 0], faces[k, 1], faces[k, 2]
+                lx, hx = widened(lx, hx, points[i, 0], points[j, 0], points[m, 0])
+                ly, hy = widened(ly, hy, points[i, 1], points[j, 1], points[m, 1])
+                lz, hz = widened(lz, hz, points[i, 2], points[j, 2], points[m, 2])
+                k += 1
+            lx, hx, ly, hy, lz, hz = lx - x, hx - x, ly - y, hy - y, lz - z, hz - z
+            far = most(most(-lx, -ly, -lz, -lz), hx, hy, hz) * factor
+            if not far < FAR:
+                return 2
+            a, b = np.int64(lx * factor + FAR), np.int64(hx * factor + FAR)
+            c, d = np.int64(ly * factor + FAR), np.int64(hy * factor + FAR)
+            e, f = np.int64(lz * factor + FAR), np.int64(hz * factor + FAR)
+            blocks = ((b >> 2) - (a >> 2) + 1) * ((d >> 2) - (c >> 2) + 1) * ((f >> 2) - (e >> 2) + 1)
+            alone = blocks == 1 and k - begin == stop - n * run
+            if not alone:
+                if at + blocks > room[2]:
+                    return 2
+                slots[n] -= blocks
+            for p in range(a >> 2, (b >> 2) + 1):
+                rows = along(p, a, b) * IN_ROWS
+                for q in range(c >> 2, (d >> 2) + 1):
+                    both = rows & (in_rows(along(q, c, d)) * LINE * EVERY_SIXTEENTH)
+                    for r in range(e >> 2, (f >> 2) + 1):
+                        part = both & (in_planes(along(r, e, f)) * PLANE)
+                        key = salt + np.uint64((p & NUMBERS) | (q & NUMBERS) << 20 | (r & NUMBERS) << 40)
+                        key += np.uint64(key == none)
+                        if key != last:
+                            last = key
+                            slot = np.int64((key ^ key >> np.uint64(32)) * FAMILY >> np.uint64(64 - bits))
+                            while keys[slot] != key and keys[slot] != none:
+                                slot = (slot + 1) & final
+                            if keys[slot] == none:
+                                if room[0] == 0:
+                                    return 1
+                                room[0] -= 1
+                                keys[slot], owners[slot, 0] = key, number
+                        if owners[slot, 0] == number:
+                            cells[slot, 0] |= part
+                        elif owners[slot, 1] == number or owners[slot, 1] == 0:
+                            owners[slot, 1] = number
+                            cells[slot, 1] |= part
+                        else:
+                            cells[slot, 2] |= part
+                        if alone:
+                            slots[n], own[n] = slot, part
+                        else:
+                            more[at], parts[at] = slot, part
+                            at += 1
+    room[1] = at
     return 0
 
 
-def find_common(cells_at, bits):
-    """Leave of each block the cells that triangles of several groups may be in."""
+def mark_common(cells_at, bits, slots_at, own_at, runs, more_at, parts_at, entries, near_at):
+    """Mark the runs in cells that triangles of several groups may be in; for the arguments see `enter_cells`."""
     cells = carray(cells_at, (1 << bits, 3), np.uint64)
+    slots, own = carray(slots_at, (runs,), np.int32), carray(own_at, (runs,), np.uint64)
+    more, parts = carray(more_at, (entries,), np.int32), carray(parts_at, (entries,), np.uint64)
+    near = carray(near_at, (runs,), np.uint8)
     for block in range(1 << bits):
         cells[block, 0] = cells[block, 0] & cells[block, 1] | cells[block, 2]
+    at = 0
+    for k in range(runs):
+        if slots[k] >= 0:
+            found = own[k] & cells[slots[k], 0]
+        else:
+            found = np.uint64(0)
+            for _ in range(-slots[k]):
+                found |= parts[at] & cells[more[at], 0]
+                at += 1
+        near[k] = found != np.uint64(0)
     return 0

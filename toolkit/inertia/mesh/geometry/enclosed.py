@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +16,12 @@ _CHUNK = 1 << 16
 _SAMPLES = 8  # triangles of a piece that are drawn
 _MANY = 1 << 12  # triangles of a piece, of which few are picked before they are sorted
 _CACHED = 1 << 14  # triangles that the compiled pass reads at a time
-_COLUMNS = 12  # as the kernel has them
+_COLUMNS = 12  # as the kernel has them, and the next
 _TINY = 2.0**-900  # above what squares that underflow are off by
-MEASURE = Kernel("inertia.mesh.geometry.shell_kernel", "measure_shells", "pippi" + "pi", fused=True)
+MEASURE = Kernel("inertia.mesh.geometry.shell_kernel", "measure_shells", "pippi" + "pi" + "pp", fused=True)
+
+RUN = 64
+"""Triangles of a run."""
 
 NOISE = 1e-13
 """Rounding of a volume, over the sum of its terms' largest magnitudes."""
@@ -55,7 +58,7 @@ def members_of(labels: NDArray[np.int32], count: int) -> list[Int]:
 def boxes_of(triangles: Triangles, labels: NDArray[np.int32], count: int, *, finite: bool = False) -> Float:
     """Return the boxes (count, 2, 3) of pieces; labels (n,) of −1 are in none. `finite` is what is known of all."""
     if finite and MEASURE.worthwhile(triangles.count):
-        return measured(triangles, labels, count)[:, :6].reshape(-1, 2, 3)
+        return measured(triangles, labels, count).table[:, :6].reshape(-1, 2, 3)
     boxes = np.empty((count, 2, 3))
     boxes[:, 0], boxes[:, 1] = np.inf, -np.inf
     for start in range(0, triangles.count, _CHUNK):
@@ -88,19 +91,37 @@ def enclosed(triangles: Triangles, labels: NDArray[np.int32], local: Local, orig
     return volume / 6, NOISE * magnitude / 6
 
 
-def measured(triangles: Triangles, labels: NDArray[np.int32], count: int) -> Float:
-    """Return the box, six times the volume and other numbers of each piece (count, 12): see `shell_kernel`."""
-    table = np.zeros((count, _COLUMNS))
-    for _, *chunk in chunks(triangles, labels):
-        MEASURE.function(*chunk, address(table), count)
-    return table
+class Measured(NamedTuple):
+    """Pieces as they are measured, and runs of triangles one after another.
+
+    Attributes
+    ----------
+    table : the box, six times the volume and other numbers of each piece (m, 12): see `shell_kernel`
+    boxes : (k, 6), the least and the largest coordinates of each run
+    shell : (k,), the piece of each run; negative where it is in none, or in several
+    """
+
+    table: Float
+    boxes: Float
+    shell: NDArray[np.int32]
+
+
+def measured(triangles: Triangles, labels: NDArray[np.int32], count: int) -> Measured:
+    """Measure pieces, and runs of triangles."""
+    runs = -(-triangles.count // RUN)
+    pieces = Measured(np.zeros((count, _COLUMNS)), np.empty((runs, 6)), np.empty(runs, np.int32))
+    for which, *chunk in chunks(triangles, labels):
+        first = which.start // RUN
+        places = pieces.boxes[first:].ctypes.data, pieces.shell[first:].ctypes.data
+        MEASURE.function(*chunk, address(pieces.table), count, *places)
+    return pieces
 
 
 def all_outward(triangles: Triangles, labels: NDArray[np.int32], count: int) -> bool:
     """Say whether all pieces are sure to enclose more than nothing; where it takes long to find out, they are not."""
     if not MEASURE.worthwhile(triangles.count):
         return False
-    _, _, _, _, _, _, volume, squares, _, _, _, number = measured(triangles, labels, count).T
+    _, _, _, _, _, _, volume, squares, _, _, _, number = measured(triangles, labels, count).table.T
     with np.errstate(over="ignore", invalid="ignore"):
         sure = volume > (NOISE + number * STORED) * np.sqrt(number * squares)
     return bool((sure & (squares > _TINY)).all())

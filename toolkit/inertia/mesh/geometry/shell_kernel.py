@@ -16,6 +16,12 @@ COLUMNS = 12
 """Numbers for each shell: its box, 6 × its volume, the sum of its terms' largest magnitudes squared, a place on it, how
 many triangles it has."""
 
+RUN, MIXED = 64, -2
+"""Triangles one after another whose box is kept, with their shell; this, where they are of several."""
+
+LARGE = 1 << 12
+"""Triangles of a shell above which the sphere around it is that of the boxes of its runs."""
+
 FAR, FARTHEST = 1 << 61, 1 << 62
 """Added to how far shells of a family are from each other, where that is not told by their numbers; of two families."""
 
@@ -54,47 +60,58 @@ def most(a, b, c, d):
     return c if c > a else a
 
 
-def measure_shells(vertices_at, vertices, faces_at, labels_at, count, table_at, shells):
-    """Add triangles to the rows of their shells, zero at first; volumes are about a place on the first triangle."""
+def measure_shells(vertices_at, vertices, faces_at, labels_at, count, table_at, shells, boxes_at, shell_at):
+    """Add triangles to the rows of their shells, zero at first; volumes are about a place on the first triangle.
+
+    Of each run of triangles the box, (n, 6), and the shell, (n,), are written.
+    """
     corners = carray(vertices_at, (vertices, 3), np.float64)
     faces = carray(faces_at, (count, 3), np.int64)
     labels = carray(labels_at, (count,), np.int32)
     table = carray(table_at, (shells, COLUMNS), np.float64)
-    k = 0
-    while k < count:
-        row = labels[k]
-        if row < 0:
-            k += 1
-            continue
-        # Triangles of a shell mostly follow one another: its numbers need not go through memory for each.
-        p, q, r = faces[k, 0], faces[k, 1], faces[k, 2]
-        if table[row, 11] == 0.0:
-            for axis in range(3):
-                a, b, c = corners[p, axis], corners[q, axis], corners[r, axis]
-                table[row, axis], table[row, 3 + axis] = a, a
-                table[row, 8 + axis] = FIRST * a + SECOND * b + THIRD * c
-        lx, ly, lz = table[row, 0], table[row, 1], table[row, 2]
-        hx, hy, hz = table[row, 3], table[row, 4], table[row, 5]
-        volume, size = table[row, 6], table[row, 7]
-        x, y, z = table[row, 8], table[row, 9], table[row, 10]
-        begin = k
-        while k < count and labels[k] == row:
+    runs = (count + RUN - 1) // RUN
+    boxes, shell = carray(boxes_at, (runs, 6), np.float64), carray(shell_at, (runs,), np.int32)
+    for n in range(runs):
+        k, stop = n * RUN, min((n + 1) * RUN, count)
+        shell[n] = labels[k]
+        while k < stop:
+            row = labels[k]
+            if row != shell[n]:
+                shell[n] = MIXED
+            if row < 0:
+                k += 1
+                continue
+            # Triangles of a shell mostly follow one another: its numbers need not go through memory for each.
             p, q, r = faces[k, 0], faces[k, 1], faces[k, 2]
-            x0, y0, z0 = corners[p, 0], corners[p, 1], corners[p, 2]
-            x1, y1, z1 = corners[q, 0], corners[q, 1], corners[q, 2]
-            x2, y2, z2 = corners[r, 0], corners[r, 1], corners[r, 2]
-            lx, ly, lz = least(lx, x0, x1, x2), least(ly, y0, y1, y2), least(lz, z0, z1, z2)
-            hx, hy, hz = most(hx, x0, x1, x2), most(hy, y0, y1, y2), most(hz, z0, z1, z2)
-            ux, uy, uz = x1 - x0, y1 - y0, z1 - z0
-            vx, vy, vz = x2 - x0, y2 - y0, z2 - z0
-            ax, ay, az = x0 - x, y0 - y, z0 - z
-            volume += ax * (uy * vz - uz * vy) + ay * (uz * vx - ux * vz) + az * (ux * vy - uy * vx)
-            size += (ax * ax + ay * ay + az * az) * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
-            k += 1
-        table[row, 0], table[row, 1], table[row, 2] = lx, ly, lz
-        table[row, 3], table[row, 4], table[row, 5] = hx, hy, hz
-        table[row, 6], table[row, 7] = volume, size
-        table[row, 11] += k - begin
+            if table[row, 11] == 0.0:
+                for axis in range(3):
+                    a, b, c = corners[p, axis], corners[q, axis], corners[r, axis]
+                    table[row, axis], table[row, 3 + axis] = a, a
+                    table[row, 8 + axis] = FIRST * a + SECOND * b + THIRD * c
+            lx, ly, lz = corners[p, 0], corners[p, 1], corners[p, 2]
+            hx, hy, hz = lx, ly, lz
+            volume, size = table[row, 6], table[row, 7]
+            x, y, z = table[row, 8], table[row, 9], table[row, 10]
+            begin = k
+            while k < stop and labels[k] == row:
+                p, q, r = faces[k, 0], faces[k, 1], faces[k, 2]
+                x0, y0, z0 = corners[p, 0], corners[p, 1], corners[p, 2]
+                x1, y1, z1 = corners[q, 0], corners[q, 1], corners[q, 2]
+                x2, y2, z2 = corners[r, 0], corners[r, 1], corners[r, 2]
+                lx, ly, lz = least(lx, x0, x1, x2), least(ly, y0, y1, y2), least(lz, z0, z1, z2)
+                hx, hy, hz = most(hx, x0, x1, x2), most(hy, y0, y1, y2), most(hz, z0, z1, z2)
+                ux, uy, uz = x1 - x0, y1 - y0, z1 - z0
+                vx, vy, vz = x2 - x0, y2 - y0, z2 - z0
+                ax, ay, az = x0 - x, y0 - y, z0 - z
+                volume += ax * (uy * vz - uz * vy) + ay * (uz * vx - ux * vz) + az * (ux * vy - uy * vx)
+                size += (ax * ax + ay * ay + az * az) * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
+                k += 1
+            boxes[n, 0], boxes[n, 1], boxes[n, 2], boxes[n, 3], boxes[n, 4], boxes[n, 5] = lx, ly, lz, hx, hy, hz
+            for axis in range(3):
+                table[row, axis] = min(table[row, axis], boxes[n, axis])
+                table[row, 3 + axis] = max(table[row, 3 + axis], boxes[n, 3 + axis])
+            table[row, 6], table[row, 7] = volume, size
+            table[row, 11] += k - begin
     return 0
 
 
@@ -319,6 +336,65 @@ def upwards(ax, ay, bx, by):
     return 0
 
 
+@njit(error_model="numpy", forceinline=True)
+def cells_between(low, high, origin, step, across):
+    """Return the first and the last of the cells along an axis that a range is in; none where the last is less."""
+    first = int(max((low - origin) * step - 1e-6, 0.0))
+    return first, min(int(max((high - origin) * step + 1e-6, 0.0)), across - 1)
+
+
+def ask_runs(
+    table_at, shells, flags_at, spots_at, radii_at,
+    points_at, whose_at, points, cells_at, across, x, y, step_x, step_y, margin, boxes_at, shell_at, runs, asked_at,
+):  # fmt: skip
+    """Say of which runs of triangles `cast_rays` has to look at each; for the arguments see there.
+
+    Of large shells that lie in others, the squares of radii are written.
+    """
+    table = carray(table_at, (shells, COLUMNS), np.float64)
+    flags = carray(flags_at, (shells,), np.uint8)
+    spots = carray(spots_at, (shells, 6), np.float64)
+    radii = carray(radii_at, (shells,), np.float64)
+    place = carray(points_at, (points, 3), np.float64)
+    whose = carray(whose_at, (points,), np.int64)
+    cells = carray(cells_at, (across * across + 1,), np.int64)
+    boxes, shell = carray(boxes_at, (runs, 6), np.float64), carray(shell_at, (runs,), np.int32)
+    asked = carray(asked_at, (runs,), np.uint8)
+    for n in range(runs):
+        row = shell[n]
+        asked[n] = row == MIXED
+        if row < 0:
+            continue
+        flag = flags[row]
+        if flag & INSIDE:
+            if table[row, 11] > LARGE:
+                square = 0.0
+                for axis in range(3):
+                    middle = 0.5 * table[row, axis] + 0.5 * table[row, 3 + axis]
+                    far = max(middle - boxes[n, axis], boxes[n, 3 + axis] - middle)
+                    square += far * far
+                radii[row] = max(radii[row], square)
+            else:
+                asked[n] = 1
+        if asked[n] or not flag & AROUND:
+            continue
+        lx, hx = max(boxes[n, 0] - margin, spots[row, 0]), min(boxes[n, 3] + margin, spots[row, 3])
+        ly, hy = max(boxes[n, 1] - margin, spots[row, 1]), min(boxes[n, 4] + margin, spots[row, 4])
+        hz, bottom = boxes[n, 5] + margin, spots[row, 2]
+        if (hx < lx) | (hy < ly) | (hz < bottom):
+            continue
+        left, right = cells_between(lx, hx, x, step_x, across)
+        near, far = cells_between(ly, hy, y, step_y, across)
+        for line in range(near, far + 1):
+            if left > right:
+                break
+            for at in range(cells[line * across + left], cells[line * across + right + 1]):
+                px, py, pz = place[at, 0], place[at, 1], place[at, 2]
+                if bottom <= pz <= hz and lx <= px <= hx and ly <= py <= hy and whose[at] != row:
+                    asked[n] = 1
+    return 0
+
+
 def cast_rays(
     vertices_at, vertices, faces_at, labels_at, count,
     table_at, shells, flags_at, spots_at, signs_at, numbers_at, radii_at,
@@ -377,10 +453,8 @@ def cast_rays(
         bottom = spots[shell, 2]
         if (hx < lx) | (hy < ly) | (hz < bottom):  # as most are: one branch costs less than several
             continue
-        left = int(max((lx - x) * step_x - 1e-6, 0.0))
-        right = min(int(max((hx - x) * step_x + 1e-6, 0.0)), across - 1)
-        near = int(max((ly - y) * step_y - 1e-6, 0.0))
-        far = min(int(max((hy - y) * step_y + 1e-6, 0.0)), across - 1)
+        left, right = cells_between(lx, hx, x, step_x, across)
+        near, far = cells_between(ly, hy, y, step_y, across)
         for row in range(near, far + 1):
             if left > right:
                 break

@@ -3,7 +3,8 @@
 The shells stream by four times at most, triangle by triangle, whatever their number, and only those whose boxes meet
 are looked at further:
 
-1. Each gets its box, and its volume.
+1. Each gets its box, and its volume, and each run of triangles one after another its box: where few runs come near the
+   rays of the second step, their triangles alone are looked at.
 2. A ray goes upwards from a place on each that lies in the box of another, and what it crosses is added up: for each
    shell that is crossed its random 64-bit number, as often as it is crossed from inside. The sum names the region that
    the place is in. Just inside a shell it is the sum of this shell, plus or minus its number; so that what a shell is
@@ -33,7 +34,7 @@ from inertia.mesh.geometry.boxes import CELLS
 from inertia.mesh.geometry.closure import Closure
 from inertia.mesh.geometry.edge_fans import layered
 from inertia.mesh.geometry.edges import duplicates
-from inertia.mesh.geometry.enclosed import MEASURE, NOISE, STORED, chunks, measured
+from inertia.mesh.geometry.enclosed import MEASURE, NOISE, RUN, STORED, Measured, chunks, measured
 from inertia.mesh.geometry.faces import merge_equal_vertices
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.touching import FIND, MOSTLY, touching_groups
@@ -45,18 +46,23 @@ _MODULE, _PARTING = "inertia.mesh.geometry.shell_kernel", "inertia.mesh.geometry
 _PLACES = Kernel(_MODULE, "curve_places", "pi" + "dddi" + "ppp")
 _SORT = Kernel(_MODULE, "sort_places", "pppii")
 _MEET = Kernel(_MODULE, "meet_boxes", "ppppi" + "ppppppp")
+_ASK = Kernel(_MODULE, "ask_runs", "pippp" + "ppip" + "i" + "ddddd" + "ppip")
 _CAST = Kernel(_MODULE, "cast_rays", "pippi" + "pi" + "ppppp" + "ppip" + "i" + "ddddd" + "pp")
 _NEAR = Kernel(_MODULE, "near_children", "pippi" + "pi" + "ppppp" + "ppp", fused=True)
 _COPY = Kernel(_PARTING, "copy_shells", "pippi" + "ipipp" + "pppi")
 _PART = Kernel(_PARTING, "part_shells", "pippp" + "ippppi" + "pppi" + "ppppi", fused=True)
-_KERNELS = MEASURE, _PLACES, _SORT, _MEET, _CAST, _NEAR, _COPY, _PART, FIND
+_KERNELS = MEASURE, _PLACES, _SORT, _MEET, _ASK, _CAST, _NEAR, _COPY, _PART, FIND
 _COUNTS = 6, 1 << 11  # as the kernels have them
 _FEW = 1 << 12  # shells that numpy sorts in less time than it takes to clear the counts
 _MEETS, _INSIDE, _NEARBY, _WHOLE = 1, 2, 8, 16
+_BOTH = 3  # of a triangle that may meet others in its region, 1, and shells next inside its own, 2
 LOOKS, ANYWAY = 64, 1 << 18  # how often the triangles of a shell are looked at; how many of them in any case
 _CLEAR = 2e-10  # of another shell, over the size of the part: what is nearer is not asked by rays
 _LEAST_BITS = 3  # so that differences of places are below the kernel's FAR
 _IN_RANGE = 100  # powers of two, of sizes whose products are far from the ends of float64
+_SPARSE, _SOME = 0.25, 1 << 18  # of triangles, those that are copied to be looked at by themselves; in any case
+_LARGE = 1 << 12  # triangles of a shell, of which spheres and boxes around it tell few apart
+_SAMPLE, _MANY = 1 << 10, 0.4  # triangles looked at first; the share of them above which all are taken
 _POINTS = 2  # in a cell of those by which they are looked up, about
 
 
@@ -113,7 +119,8 @@ def _nesting(triangles: Triangles, closure: Closure, streamed: bool) -> Nesting 
         return None
     if closure.crowded and not len(closure.at_crowded):
         return None
-    table = measured(triangles, closure.labels, count)
+    pieces = measured(triangles, closure.labels, count)
+    table = pieces.table
     box, boxes = np.empty((2, 3)), np.empty((count, 6), np.float32)
     places, bits = np.empty(count, np.uint64), max(count.bit_length(), _LEAST_BITS)
     of_places = float(CELLS), NOISE, STORED, bits, address(box), address(boxes), address(places)
@@ -140,7 +147,7 @@ def _nesting(triangles: Triangles, closure: Closure, streamed: bool) -> Nesting 
         return None
     signs = np.where(volume > 0, 1, -1)
     if inner:
-        nest = _nest(triangles, closure, table, tree, signs, size)
+        nest = _nest(triangles, closure, pieces, tree, signs, size, streamed)
         if nest is None:
             return None
         parent, depth, radii = nest
@@ -203,12 +210,14 @@ class _Boxes(NamedTuple):
 def _nest(
     triangles: Triangles,
     closure: Closure,
-    table: Float,
+    pieces: Measured,
     tree: _Boxes,
     signs: Int,
     size: float,
+    streamed: bool,
 ) -> tuple[Int, Int, Float] | None:
     """Return what shell each is next inside (−1 is none), how many are around it, and the squares of their radii."""
+    table = pieces.table
     count = len(table)
     inner = np.flatnonzero(tree.flags & _INSIDE)
     points = table[inner, 8:11]
@@ -222,13 +231,18 @@ def _nest(
     cells = np.searchsorted(cell[ranked], np.arange(across * across + 1))
     numbers = np.frombuffer(os.urandom(8 * count), np.int64).copy()
     sums, depth, radii = np.zeros(count, np.int64), np.zeros(count, np.int64), np.zeros(count)
+    grid = *corner.tolist(), *steps.tolist(), _CLEAR * size
+    of_points = address(points), address(whose), len(whose), address(cells), across, *grid
+    runs, asked = len(pieces.shell), np.empty(len(pieces.shell), np.uint8)
+    of_runs = address(pieces.boxes), address(pieces.shell), runs, address(asked)
+    _ASK.function(address(table), count, *map(address, (tree.flags, tree.spots, radii)), *of_points, *of_runs)
+    own, labels = triangles, closure.labels
+    if RUN * np.count_nonzero(asked) < (_SOME if streamed else _SPARSE * triangles.count):
+        which = np.flatnonzero(np.repeat(asked, RUN)[: triangles.count])
+        own, labels = triangles.select(which), labels[which]
     of_shells = [address(each) for each in (tree.flags, tree.spots, signs, numbers, radii)]
-    of_points = address(points), address(whose), len(whose), address(cells), across
-    for _, *chunk in chunks(triangles, closure.labels):
-        if _CAST.function(
-            *chunk, address(table), count, *of_shells, *of_points, *corner.tolist(), *steps.tolist(), _CLEAR * size,
-            address(sums), address(depth),
-        ):  # fmt: skip
+    for _, *chunk in chunks(own, labels):
+        if _CAST.function(*chunk, address(table), count, *of_shells, *of_points, address(sums), address(depth)):
             return None
     regions = sums + signs * numbers  # just inside each, modulo 2^64
     ranked = np.argsort(regions)
@@ -252,45 +266,63 @@ def _suspects(
     count, order, none = len(table), tree.order, np.empty(0, np.int64)
     near = np.zeros(triangles.count, np.uint8)
     if (parent >= 0).any():
-        ranges = np.searchsorted(parent[order], np.arange(count)[:, None] + (0, 1))
-        room = np.empty(512, np.int64)
-        of_shells = address(table), count, *map(address, (radii, tree.boxes, tree.nodes, order, ranges))
-        for which, *chunk in chunks(triangles, closure.labels):
-            _NEAR.function(*chunk, *of_shells, near[which].ctypes.data, address(tree.flags), address(room))
+        near = _near_children(triangles, closure, table, tree, parent, radii)
     if not (tree.flags & (_MEETS | _NEARBY)).any():
         return none
     if streamed:
         return None
-    labels = closure.labels
     meeting, within = _unparted(triangles, closure, table, tree, parent)
-    if (nearby := (tree.flags & _NEARBY) != 0).any():
-        within |= nearby[labels] & (labels >= 0)
+    nearby = (tree.flags & _NEARBY) != 0
+    if nearby.any():
+        within |= np.append(nearby, False)[closure.labels]  # the last is that of triangles in none
         meeting |= nearby
     # Each region is a family of its own: the shell around it, as far as it is near, and what meets there in it.
-    if twice := (within & near).any():
-        asked = np.concatenate([np.flatnonzero(within), np.flatnonzero(near)])
-        around = np.arange(len(asked)) >= np.count_nonzero(within)
-    else:
-        asked = np.flatnonzero(within | near)
-        around = near[asked] != 0
-    shell = labels[asked]
     base = np.arange(1, count + 1) * (count + 1)
     place = np.empty(count, np.int64)
     place[order] = np.arange(1, count + 1) + (parent[order] + 1) * (count + 1)
-    shells = np.flatnonzero(np.bincount(shell[around], minlength=count))
+    shells = np.unique(parent[nearby])
     keys = np.concatenate([place[meeting], base[shells]])
     ranked = np.argsort(keys)
     keys, whose = keys[ranked], np.concatenate([np.flatnonzero(meeting), shells])[ranked]
-    groups = np.where(around, np.searchsorted(keys, base)[shell], np.searchsorted(keys, place)[shell])
-    family = keys // (count + 1)
-    if twice or len(asked) < MOSTLY * triangles.count:
-        own = triangles.select(asked)
-    else:  # what is not asked for is a family of its own
-        own, every = triangles, np.full(triangles.count, len(keys))
-        every[asked] = groups
-        groups, family = every, np.append(family, count + 1)
-    pairs = touching_groups(own, groups, family, few=True)
+    own, labels, role = triangles, closure.labels, within | near << 1
+    if (role == _BOTH).any():
+        both = np.flatnonzero(within), np.flatnonzero(near)
+        which, role = np.concatenate(both), np.repeat(np.array([1, 2]), [len(each) for each in both])
+        own, labels = triangles.select(which), labels[which]
+    elif np.count_nonzero(role) < MOSTLY * triangles.count:
+        which = np.flatnonzero(role)
+        own, labels, role = triangles.select(which), labels[which], role[which]
+    # What is not asked for is a family of its own.
+    groups = np.full((3, count + 1), len(keys))
+    groups[1, :-1], groups[2, :-1] = np.searchsorted(keys, place), np.searchsorted(keys, base)
+    family = np.append(keys // (count + 1), count + 1)
+    pairs = touching_groups(own, groups.take(role.astype(np.int64) * (count + 1) + labels), family, few=True)
     return None if pairs is None else np.unique(whose[pairs])
+
+
+def _near_children(
+    triangles: Triangles, closure: Closure, table: Float, tree: _Boxes, parent: Int, radii: Float
+) -> NDArray[np.uint8]:
+    """Say which triangles may meet a shell next inside their own, and flag these; where most may, all are taken."""
+    labels = closure.labels
+    ranges = np.searchsorted(parent[tree.order], np.arange(len(table))[:, None] + (0, 1))
+    of_shells = address(table), len(table), *map(address, (radii, tree.boxes, tree.nodes, tree.order, ranges))
+
+    def asked(some: Triangles, of: NDArray[np.int32], flags: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        near, room = np.zeros(some.count, np.uint8), np.empty(512, np.int64)
+        for which, *chunk in chunks(some, of):
+            _NEAR.function(*chunk, *of_shells, near[which].ctypes.data, address(flags), address(room))
+        return near
+
+    few = np.arange(0, triangles.count, triangles.count // _SAMPLE + 1)
+    if (
+        triangles.count < _LARGE * len(table)
+        or asked(triangles.select(few), labels[few], tree.flags.copy()).mean() < _MANY
+    ):
+        return asked(triangles, labels, tree.flags)
+    tree.flags[parent >= 0] |= _NEARBY
+    holds = np.append(ranges[:, 0] < ranges[:, 1], False)  # the last is that of triangles in none
+    return holds[labels].astype(np.uint8)
 
 
 def _unparted(
