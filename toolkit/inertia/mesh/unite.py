@@ -298,14 +298,19 @@ def _rebuilt(part: Part, vertices: Float, rests: Float, faces: Int, origins: Int
     surface.counts_once = True
     distance = float(np.linalg.norm(rests, axis=1).max()) * (1 + 8 * _EPSILON)
     rounding = Rounding(distance, lambda: rests) if distance else None
-    more, left = 1.0, meeting[origins]
-    if meeting.any():
-        more = growth(part.triangles.corners()[meeting], surface.corners()[left]) * _reach(part, surface) ** 3
+    left, chord = meeting[origins], part.chord
+
+    def farther(off: float) -> float:
+        """Return how far what is left is to be taken for off, where what others come to light of is off so far."""
+        if not meeting.any():
+            return off
+        corners = surface.corners()
+        return off * growth(part.triangles.corners()[meeting], corners[left], corners, off)
+
     if part.rounding is not None:
-        rounding = Rounding(distance + more * part.rounding.distance)
-    chord = part.chord
+        rounding = Rounding(distance + farther(part.rounding.distance) * _reach(part, surface) ** 3)
     if chord is not None:
-        chord = np.where(left, more * chord[meeting].max(initial=0.0), chord[origins]) + distance
+        chord = np.where(left, farther(float(chord[meeting].max(initial=0.0))), chord[origins]) + distance
     regions = part.regions
     if regions is not None:
         regions = Regions(regions.names, regions.index[origins])

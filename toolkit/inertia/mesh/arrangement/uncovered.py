@@ -60,26 +60,39 @@ def _near_others(corners: Float, shell: Int, reach: Float) -> Int:
     return np.unique(np.concatenate(near))
 
 
-def growth(given: Float, left: Float) -> float:
+def growth(given: Float, left: Float, union: Float, distance: float) -> float:
     """Return how many times as far triangles are to be taken for off, so that a bound of them is one for others.
 
     What lies between triangles and where they are is as their distance h times their areas, h² times their edges, and
-    h³ times their number; of the second moments, times the squares of their distances from a point.
+    h³ times their number; of the first moments times the arms, of the second ones times two arms, about the centroid.
 
     Parameters
     ----------
     given, left : (k, 3, 3), (n, 3, 3), the corners of the others, and of those that are left of them
+    union : (m, 3, 3), of the surface that is left, about whose centroid it is
+    distance : how far triangles are off, in the file's unit
     """
     exponent = exponent_of(given)
-    middle = np.ldexp(given.max(axis=(0, 1)), -exponent - 1) + np.ldexp(given.min(axis=(0, 1)), -exponent - 1)
-    ratios = _measures(np.ldexp(given, -exponent) - middle) / _measures(np.ldexp(left, -exponent) - middle)
-    return _INFLATED * float(np.maximum(ratios ** (1 / np.array([[1], [2], [3]])), 1.0).max())
+    low, high = np.ldexp(given.min(axis=(0, 1)), -exponent), np.ldexp(given.max(axis=(0, 1)), -exponent)
+    middle, off = low / 2 + high / 2, float(np.ldexp(distance, -exponent))
+    centre = middle + _centroid(np.ldexp(union, -exponent) - middle)
+    others, own = (_measures(np.ldexp(corners, -exponent) - centre, off) for corners in (given, left))
+    ratios = np.divide(others, own, out=np.ones_like(own), where=others > 0) ** (1 / np.array([[1], [2], [3]]))
+    return _INFLATED * max(float(ratios.max()), 1.0)
 
 
-def _measures(corners: Float) -> Float:
-    """Return areas, edges and number of triangles, and the same times their squared distances from zero, (3, 2)."""
+def _centroid(corners: Float) -> Float:
+    """Return the centroid of what a surface bounds; zero where that is nothing."""
+    six = np.einsum("ki,ki->k", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+    volume = six.sum()
+    return six @ corners.sum(axis=1) / (4.0 * volume) if volume > _ROUNDING else np.zeros(3)
+
+
+def _measures(corners: Float, off: float) -> Float:
+    """Return areas, edges and number of triangles, (3, 10): by themselves, times arms and times two arms."""
     edges = np.roll(corners, -1, axis=1) - corners
     area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
     around = np.linalg.norm(edges, axis=2).sum(axis=1)
-    far = (corners**2).sum(axis=2).mean(axis=1)
-    return np.array([[of.sum(), of @ far] for of in (area, around, np.ones(len(corners)))])
+    arms = np.abs(corners).max(axis=1) + off
+    weights = np.column_stack([np.ones(len(arms)), arms, arms**2, arms * np.roll(arms, 1, axis=1)])
+    return np.array([area @ weights, around @ weights, weights.sum(axis=0)])
