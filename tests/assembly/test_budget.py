@@ -64,6 +64,17 @@ def test_a_common_input_changes_the_whole_as_differences_do(
     assert sigma.changes[0, :10] == pytest.approx(expected, rel=1e-6, abs=1e-9 * np.abs(expected[4:]).max())
 
 
+@pytest.mark.parametrize("scale", [2, 0.001, "1.1±0.001", "0.999±0.002"])
+def test_a_scale_that_is_not_one_is_refused(scale: float | str) -> None:
+    part = {"name": "h", "file": HANDLE, "density": 7850.0}
+    with pytest.raises(
+        UsageError, match=r"part\[0\].scale is .*: coordinates are taken as stored, .* unit or stretch$"
+    ):
+        Assembly.from_dict({"part": [part | {"scale": scale}]})
+    one = Assembly.from_dict({"part": [part | {"scale": 1}]}).mass_properties()
+    assert one.mass == Assembly.from_dict({"part": [part]}).mass_properties().mass
+
+
 def test_a_scale_changes_the_whole_as_a_larger_file_does() -> None:
     part = {"name": "h", "file": HANDLE, "density": 7850.0, "at": [20, 30, -10], "euler": [30], "sequence": "y"}
     sigma = budget_of(part | {"scale": "1±0.01"}, REST).total.sigma
@@ -477,7 +488,10 @@ def test_figures_of_a_limit_say_what_its_verdict_says(mass: float | str, limit: 
     point = {"name": "p", "shape": "point", "mass": mass, "at": [0.74, 0, 0]}
     whole = budget_of(point, limit=[{"what": "mass", **limit}])
     (line,) = re.findall(r"Limit +mass (.*)", budget_text(whole))
-    (row,) = re.findall(r'<th scope="row">mass</th><td>(.*?)</td><td>(.*?)</td><td>(.*?)</td>', budget_html(whole))
+    (row,) = re.findall(
+        r'<th scope="row">mass</th><td class="left">kg</td><td>(.*?)</td><td>(.*?)</td><td>(.*?)</td>',
+        budget_html(whole),
+    )
     for least, value, largest in (
         row,
         [(re.search(sign, line) or [""] * 2)[1] for sign in (r"≥ (\S+)", r" kg: (.*?) kg", r"≤ (\S+)")],

@@ -270,8 +270,9 @@ def test_a_part_beside_one_of_its_name_in_a_nested_file_is_compared_by_itself(
 
 def test_a_bill_of_materials_is_the_same_as_the_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "bill.csv").write_text(
-        "Name;Quantity;Mass;Shape;Size;At;Material\nbattery;2;0.35±0.01;box;[80, 60, 30];[5,0,0];\n"
-        '"plate";;;box;[10, 20, 30.5];"[0, ""1/3"", 2]";aluminium\n\n',
+        "# rev 2, of 2026-11-20\nName;Quantity;Mass;Shape;Size;At;Material;\n"
+        "battery;2;0.35±0.01;box;[80, 60, 30];[5,0,0];\n"
+        '"plate";;;box;[10, 20, 30.5];"[0, ""1/3"", 2]";aluminium;\n\n',
         encoding="utf-8",
     )
     (tmp_path / "bill.toml").write_text(
@@ -293,6 +294,8 @@ def test_a_bill_of_materials_is_the_same_as_the_file(tmp_path: Path, capsys: pyt
         ("part,mass\nx,1\n", 3, "its first line names no column `name`"),
         ("name,mass\nx,1,2\n", 3, "line 2 has 3 cells, and the first line 2 names"),
         ("name,mass,Name\nx,1,y\n", 3, "its first line names the column `name` twice"),
+        ("#,name,mass\n1,x,1\n", 2, "part[0].# is unknown"),
+        ("name,,mass\nx,2,1\n", 3, "line 2 has '2' in a column that the first line does not name"),
         ("name,mas\nx,1\n", 2, "part[0].mas is unknown: did you mean mass?"),
         ("name,mass\nx,one\n", 2, "part[0].mass is no number"),
     ],
@@ -303,6 +306,14 @@ def test_a_bill_that_is_none_is_refused(
     (tmp_path / "bill.csv").write_text(text, encoding="utf-8")
     assert main(["budget", str(tmp_path / "bill.csv")]) == code
     assert says in capsys.readouterr().err
+
+
+def test_a_part_of_a_bill_may_have_a_name_that_begins_with_a_number_sign(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "bill.csv").write_text("# screws\nname,mass\n#10-32 screw,0.004\nplate,1\n", encoding="utf-8")
+    assert main(["budget", str(tmp_path / "bill.csv"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["total"]["mass"] == pytest.approx(1.004)
 
 
 def test_an_assembly_tumbles_and_is_the_body_of_a_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -327,6 +338,8 @@ def test_the_report_is_one_page_that_asks_nobody(tmp_path: Path) -> None:
     assert "http" not in page
     assert "<b>motor" not in page
     assert page.count("<details") == 2  # the whole, and the impeller
+    limits = re.findall(r'<tr><th scope="row">(\S+)</th><td class="left">(.*?)</td>', page)
+    assert limits == [("mass", "kg"), ("center_of_mass.x", "mm"), ("inertia.zz", "kg m²")]
     assert page.count("<svg") == 3 + 3 + 2  # limits, variances, views of the centre of mass
     assert main(["budget", str(tmp_path / "a.toml"), "--report", str(tmp_path / "a.html")]) == 2
     assert main(["budget", str(tmp_path / "a.toml"), "--report", str(tmp_path / "a.pdf")]) == 2

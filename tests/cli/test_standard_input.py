@@ -85,8 +85,8 @@ def test_a_recording_of_what_came_in(tmp_path: Path) -> None:
         (("trade", "-"), b"start = ", 3, "cannot read -: it is not TOML"),
         (("simulate", "-"), b"x", 3, "cannot read -: it is not TOML"),
         (("play", "-"), b"x", 3, "it is no Rerun recording"),
-        (("budget", "-"), b"# bill\n\nname,mass\nx,1\n", 3, "its first line names no column `name`"),
-        (("assembly", "-"), b"  # bill\r\nName;Mass\r\nx;1\r\n", 3, "its first line names no column `name`"),
+        (("budget", "-"), b"# bill\n\nname,mass,mass\nx,1,2\n", 3, "its first line names the column `mass` twice"),
+        (("assembly", "-"), b"  # bill\r\nName;Mass\r\nx;1;2\r\n", 3, "line 3 has 3 cells, and the first line 2"),
         (("assembly", "-"), b'name = "a, name"\n', 2, "part is missing"),
     ],
 )

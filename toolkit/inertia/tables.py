@@ -25,6 +25,7 @@ from inertia.standard_input import reason_of
 
 SUFFIXES = (".parquet", ".csv", ".jsonl")
 _HALVES = re.compile("[\ud800-\udfff]")  # of pairs, as Python has bytes of names that are no UTF-8
+_COMMENT = re.compile(r'\s*"?#(?!"?[,;\t]+\s*\w)')  # a line that begins so; # alone may be the first of several cells
 _ROWS = 65_536  # in a group of Parquet's
 _ARROW = {"text": "string", "integer": "int64", "number": "float64", "truth": "bool_"}
 
@@ -63,6 +64,78 @@ def cell_text(cell: str) -> str:
     ('=x', "'=x", "'x'")
     """
     return cell[1:] if cell[:1] == "'" and _no_formula(cell[1:]) == cell else cell
+
+
+def cell_number(cell: str) -> float:
+    """Return the number in a cell; raise `ValueError` where it is none, as 5_74, which Python takes for 574.
+
+    >>> cell_number(" -1.5e3")
+    -1500.0
+    """
+    if "_" in cell:
+        raise ValueError(cell)
+    return float(cell)
+
+
+class Headed(NamedTuple):
+    """A table in CSV: its columns, what parts its cells, and of each row the number of the line and cells by column."""
+
+    columns: list[str]
+    delimiter: str
+    rows: Iterator[tuple[int, dict[str, str]]]
+
+
+def headed(text: str, *, comments: bool = False) -> Headed:
+    r"""Return what stands in a table in CSV, whose first line names the columns.
+
+    Commas, semicolons or tabs part the cells, whichever stands most often in the line of the columns; empty lines are
+    passed over, and before that line those that begin with #. Names of columns are in lower case, with _ for spaces.
+
+    Parameters
+    ----------
+    comments : lines that begin with # are passed over below the columns too; otherwise a cell may begin so
+
+    Raises `ReadError` where a column is named twice, and as the rows go on where a cell has no column.
+
+    >>> table = headed("# export; 2\nRun,Part No,\n#1,7,\n\nb\n")
+    >>> table.columns, table.delimiter, list(table.rows)
+    (['run', 'part_no'], ',', [(3, {'run': '#1', 'part_no': '7'}), (5, {'run': 'b'})])
+    """
+    lines = list(io.StringIO(text, newline=""))
+    aside = [_COMMENT.match(line) for line in lines]
+    start = next((k for k, line in enumerate(lines) if line.strip() and not aside[k]), 0)
+    kept = ["\n" if aside[k] and (comments or k < start) else line for k, line in enumerate(lines)]
+    delimiter = max(",;\t", key="".join(lines[start : start + 1]).count)
+    rows = _rows_of(kept, delimiter)
+    columns = [name.lower().replace(" ", "_") for name in next(rows, (0, []))[1]]
+    if twice := next((name for name in columns if name and columns.count(name) > 1), None):
+        raise ReadError(f"its first line names the column `{twice}` twice: leave one out", code="table")
+    while columns and not columns[-1]:
+        columns.pop()
+    named = [name for name in columns if name]
+    return Headed(named, delimiter, ((line, _by_column(line, cells, columns)) for line, cells in rows))
+
+
+def _rows_of(lines: Iterable[str], delimiter: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield the number and the cells of each line of CSV that is not empty."""
+    rows = csv.reader(lines, delimiter=delimiter, skipinitialspace=True)
+    try:
+        for row in rows:
+            cells = [cell.strip() for cell in row]
+            if any(cells):
+                yield rows.line_num, cells
+    except csv.Error as error:
+        raise ReadError(f"it is not CSV: {error}", code="table") from None
+
+
+def _by_column(line: int, cells: Sequence[str], columns: Sequence[str]) -> dict[str, str]:
+    """Return cells by the names of their columns; those that have none are empty, as after a separator at the end."""
+    if any(cells[len(columns) :]):
+        raise ReadError(f"line {line} has {len(cells)} cells, and the first line {len(columns)} names", code="table")
+    pairs = list(zip(columns, cells, strict=False))
+    if stray := next((cell for name, cell in pairs if cell and not name), None):
+        raise ReadError(f"line {line} has {stray!r} in a column that the first line does not name", code="table")
+    return {name: cell for name, cell in pairs if name}
 
 
 def _no_formula(cell: object) -> object:

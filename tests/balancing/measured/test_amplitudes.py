@@ -74,6 +74,13 @@ def test_noise_of_one_percent_costs_a_few_percent():
         ([1.0, 2.0], [0, 1], UsageError, "it takes a run without weight and two or more"),
         ([1.0, 2.0, 2.0], [1, 1j, -1], UsageError, "it takes a run without weight"),
         ([1.0, 2.0, 2.0], [0, 1], UsageError, "give one of each a run"),
+        (
+            [3.0, 4.0, 7.0],
+            [0, 4, 4 * cmath.exp(2j * math.pi)],
+            UsageError,
+            "2 different weights are given, one of them",
+        ),
+        ([3.0, 4.0, 7.0], [0, 4, -4 * cmath.exp(1j * math.pi)], UsageError, "2 different weights are given, one of"),
         ([0.0, 0.0, 0.0], [0, 1, 1j], GeometryError, "all amplitudes are zero"),
         ([1.0, 1.0, 1.0], [0, 1, 2], GeometryError, "no unbalance explains the amplitudes"),
     ],
@@ -81,3 +88,10 @@ def test_noise_of_one_percent_costs_a_few_percent():
 def test_what_cannot_be_answered_is_refused(amplitudes, weights, error, words):
     with pytest.raises(error, match=words):
         amplitude_balance(amplitudes, weights)
+
+
+def test_a_weight_that_is_logged_twice_beside_others_counts_as_one():
+    unbalance, weights = 1.7 - 0.6j, np.array([0.0, 1.0, cmath.exp(2j * math.pi), 1.0j])
+    fits = amplitude_balance(2.0 * np.abs(unbalance + weights), weights)
+    assert min(abs(fit.unbalance - unbalance) for fit in fits) < 1e-9
+    assert max(fit.misfit for fit in fits) < 1e-9

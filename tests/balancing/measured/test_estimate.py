@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from inertia import GeometryError
+from inertia import GeometryError, UsageError
 from inertia.balancing.measured.job import Job
 from inertia.balancing.measured.measure import measure
 from inertia.report.measurement.document import measurement_document
@@ -232,3 +232,39 @@ def test_a_weight_without_any_effect_gives_no_figure():
     table["run"][1]["readings"] = table["run"][0]["readings"]
     with pytest.raises(GeometryError, match=r"the weights in plane 'P0' change no reading but by rounding, .* larger"):
         measure(Job.from_dict(table))
+
+
+def cancelling(mass):
+    """A job whose trial run has 1 g at 90° and some g at 270°."""
+    return Job.from_dict(
+        {
+            "rpm": 1500,
+            "conventions": {"angles": "with rotation", "phase": "lag"},
+            "sensor": [{"id": "A", "unit": "mm/s"}],
+            "plane": [{"id": "I", "radius": 100, "permissible_gmm": 20}],
+            "run": [
+                {"id": "1", "readings": [{"sensor": "A", "amplitude": 4, "phase": 10}]},
+                {
+                    "id": "2",
+                    "weights": [
+                        {"plane": "I", "mass_g": 1, "angle": 90},
+                        {"plane": "I", "mass_g": mass, "angle": 270},
+                    ],
+                    "readings": [{"sensor": "A", "amplitude": 5, "phase": 40}],
+                },
+            ],
+        }
+    )
+
+
+@pytest.mark.parametrize("power", range(2, 9))
+def test_trial_weights_that_nearly_cancel_bound_nothing(power):
+    """What they come to is less than they are uncertain by, half a percent and half a degree."""
+    result = measure(cancelling(1 - 10.0**-power))
+    assert (result.outcome, math.isfinite(result.planes[0].uncertainty)) == ("undecided", False)
+
+
+def test_trial_weights_that_cancel_are_no_trial():
+    assert measure(cancelling(0.9)).outcome == "pass"
+    with pytest.raises(UsageError, match="2 runs cannot tell what a weight does in one plane"):
+        measure(cancelling(1.0))

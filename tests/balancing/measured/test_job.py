@@ -69,6 +69,12 @@ def test_the_samples_say_the_same_after_a_round_trip(name):
         (("run", 1, "id"), "0", r"run\[1\].id is '0', as that of run\[0\]"),
         (("run", 1, "weights", 0, "plane"), "X", r"run\[1\].weights\[0\].plane is 'X': use one of I"),
         (("run", 1, "weights", 0, "mass_g"), 0, r"run\[1\].weights\[0\].mass_g is 0: leave the weight out"),
+        (("run", 1, "weights", 0, "angle"), None, r"run\[1\].weights\[0\].angle is missing"),
+        (
+            ("machine",),
+            {"unit": "g·cm"},
+            "machine.unit is 'g·cm': use one of 'g·mm', 'oz·in', and give the figures in it$",
+        ),
         (("run", 1, "readings"), [], r"run\[1\].readings lack sensor A at 1500 r/min, which every run has to read"),
         (("run", 1, "readings", 0, "sensor"), "B", r"run\[1\].readings\[0\].sensor is 'B': use one of A"),
         (("run", 1, "readings", 0, "rpm"), 900, r"run\[1\].readings lack sensor A at 1500 r/min"),
@@ -138,9 +144,12 @@ def test_a_plane_without_radius_has_no_limit_in_gmm():
         ("run,sensor,amplitude,phase\n0,A,5,6\n1,A,5,\n", "line 3: phase is missing: give it"),
         ("run,sensor,amplitude,phase\n0,A,5,6\n\n1,B,5,6\n", "line 4: sensor is 'B': use one of A"),
         ("run,sensor,amplitude,phase\n0,A,5,6\n", r"run\[1\].readings \(of run '1', in r.csv\) lack sensor A"),
-        ("run\tsensor\tamplitude\tphase\n", "parted by commas or semicolons, not by tabs"),
+        ("run,sensor,amplitude,phase,amplitude\n0,A,5,6,1\n", "names the column `amplitude` twice: leave one out"),
+        ("run,sensor,amplitude,phase\n0,A,5_74,6\n", "line 2: amplitude is '5_74': it must be a number"),
+        ("# a\nrun,sensor,amplitude,,phase\n0,A,5,x,6\n", "line 3 has 'x' in a column that the first line does not"),
+        ("run,sensor,amplitude,phase\n0,A,5,6,7\n", "line 2 has 5 cells, and the first line 4 names"),
         ("run,sensor,amplitude,phase\n0,A,nan,6\n", "line 2: amplitude is nan: it must be finite"),
-        ("run,sensor,amplitude,phase\n0," + 200_000 * "A" + ",5,6\n", "it is no CSV: field larger than field limit"),
+        ("run,sensor,amplitude,phase\n0," + 200_000 * "A" + ",5,6\n", "it is not CSV: field larger than field limit"),
         ("run;sensor;amplitude;phase\n0;A;5,5;6\n", "line 2: amplitude is '5,5': it must be a number, with a point"),
     ],
 )
@@ -163,11 +172,20 @@ def test_readings_of_the_job_beside_a_table_are_named_by_their_place(tmp_path):
             Job.from_dict(table, tmp_path)
 
 
-def test_a_table_with_semicolons_and_comments_is_read(tmp_path):
+@pytest.mark.parametrize(
+    "text",
+    [
+        "\ufeffRun;Sensor;Amplitude;Phase\n# trial; 1, 2, 3, 4, 5\n0;A;5.0;30\n\n1;A;8.0;60\n",
+        "# analyser export, 2026-11-20\r\nrun;sensor;amplitude;phase\r\n0;A;5.0;30\r\n1;A;8.0;60\r\n",
+        '\n"# export; rev 2"\nrun,sensor,amplitude,phase,\n0,A,5.0,30,\n1,A,8.0,60\n',
+        "run\tsensor\tamplitude\tphase\r0\tA\t5.0\t30\r1\tA\t8.0\t60\r",
+        "run, sensor, amplitude, phase\n0, A, 5.0, 30\n1, A, 8.0, 60\n",
+    ],
+)
+def test_tables_are_read_with_any_separator_comments_and_a_separator_at_the_end(text, tmp_path):
     table = copy.deepcopy(BASE)
     for run in table["run"]:
         del run["readings"]
-    text = "\ufeffRun;Sensor;Amplitude;Phase\n# trial\n0;A;5.0;30\n\n1;A;8.0;60\n"
     (tmp_path / "r.csv").write_text(text, encoding="utf-8")
     job = Job.from_dict(table | {"readings": "r.csv"}, tmp_path)
     assert measure(job).planes[0].unbalance == measure(Job.from_dict(BASE)).planes[0].unbalance

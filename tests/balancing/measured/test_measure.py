@@ -724,7 +724,7 @@ def repeated(*runs, **more):
             "run": [
                 {
                     "id": str(k),
-                    "weights": [{"plane": "I", "mass_g": mass}] if mass else [],
+                    "weights": [{"plane": "I", "mass_g": mass, "angle": 0}] if mass else [],
                     "readings": [{"sensor": "A", "amplitude": size, "phase": 0}],
                 }
                 for k, (size, mass) in enumerate(runs)

@@ -226,3 +226,25 @@ def test_masses_at_the_limit_of_a_position_are_kept(step: float) -> None:
         pieces = split_among(vector, places, most=most, step=step * most)
         assert all(piece.mass <= most * (1 + 1e-6) for piece in pieces)
         assert abs(whole(pieces) - vector) <= abs(vector) * (1 + 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("limit", "nearest"), [(3.0, {210: "2 g", 240: "1 g"}), (4.0, {210: "2 g", 240: "2 g"}), (0.9, {})]
+)
+@pytest.mark.parametrize("enough", [0.0, 0.3])
+def test_of_a_kit_the_nearest_within_a_limit_far_below_is_found(limit, nearest, enough) -> None:
+    """1000 g·mm at 37° at a radius of 100 mm, by all choices there are."""
+    vector, kit = cmath.rect(10.0, math.radians(217)), [KitWeight(f"{k} g", float(k), None) for k in (1, 2, 5)]
+    pieces = split_among(vector, degrees(*range(0, 360, 30)), kit=kit, most_in_all=limit, enough=enough)
+    assert {round(math.degrees(piece.angle)): piece.item for piece in pieces} == nearest
+
+
+@pytest.mark.parametrize(("count", "masses", "most", "limit"), [(36, (1,), 1, 9.0), (12, (1, 2, 5), 3, 40.0)])
+def test_of_a_kit_with_too_many_choices_weights_within_the_limit_go_towards_a_vector_far_beyond(
+    count, masses, most, limit
+) -> None:
+    vector, places = cmath.rect(5 * limit, 3.7), (2 * math.pi * np.arange(count) / count).tolist()
+    kit = [KitWeight(f"{k} g", float(k), None) for k in masses]
+    pieces = split_among(vector, places, kit=kit, most_pieces=most, most_in_all=limit)
+    assert mass(pieces) == limit
+    assert abs(whole(pieces) - vector) < abs(vector) - 0.9 * limit

@@ -70,6 +70,8 @@ def test_what_is_written_is_read_to_the_bit(tmp_path: Path) -> None:
         ("a.csv", "", "it is empty: export the robot again"),
         ("a.csv", "a,b\n", "names no column name"),
         ("a.csv", "name,mass\n", "names no column ixx"),
+        ("a.csv", CSV.replace("\n", ",Mass\n", 1), "names the column mass twice: leave one out"),
+        ("a.csv", CSV.replace("1.25", "1_25"), "line 2.mass is '1_25': it must be a number"),
         ("a.csv", CSV.partition("\n")[0] + "\n", "it holds no part"),
         ("a.csv", CSV.replace("1.25", "x"), "line 2.mass is 'x': it must be a number"),
         ("a.csv", CSV.replace("1.25", "nan"), "line 2.mass is nan: it must be finite"),

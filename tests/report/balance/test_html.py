@@ -18,6 +18,8 @@ import lxml.html
 import pytest
 
 from inertia.balancing.balance import balance
+from inertia.balancing.measured.job import Job
+from inertia.balancing.measured.measure import measure
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.verdict import Verdict
 from inertia.errors import InertiaError, UsageError
@@ -25,6 +27,7 @@ from inertia.report.balance.data import PlaneRow
 from inertia.report.balance.document import balance_csv, balance_document
 from inertia.report.balance.figures import report_data
 from inertia.report.balance.html import balance_html, save_balance_html
+from inertia.report.measurement.html import certificate_html
 from inertia_meshes import path
 
 ROTOR = files("inertia_meshes") / "rotors" / "two_disc_rotor.toml"
@@ -338,6 +341,25 @@ def test_many_correction_planes_have_a_table_of_their_own():
     assert [row[0] for row in grid] == [f"plane P{k}" for k in range(5)]
     assert grid[0][1] == "100.0 ∠ 0.0° 0.1389"
     assert set(columns(table(document, "Magnitude"))) == {9}
+
+
+def test_long_names_of_operations_are_wrapped_so_that_no_column_is_lost():
+    long = "compressor wheel nose nut, back face-1"
+    data = case_14()
+    works = [replace(data.operations[0], id=long), *data.operations[1:]]
+    rows = table(page(replace(data, operations=works)), "Operations.").findall("tbody/tr/th")
+    assert [(row.text, row.get("class")) for row in rows][:2] == [(long, "long"), (works[1].id, None)]
+
+
+@pytest.mark.parametrize("certificate", [False, True])
+def test_arrows_end_at_their_values_and_labels_stand_clear_of_circles(certificate):
+    """An outline would end beyond them by some percent of the plot."""
+    job = measure(Job.load(path("jobs/fan.toml")))
+    document = certificate_html(job) if certificate else balance_html(case_14())
+    style = lxml.html.document_fromstring(document).find("head/style").text
+    assert re.search(r"svg \.head \{[^}]*stroke: none;", style)
+    assert not re.search(r"svg \.(after|correction)\.head", style)
+    assert "svg .halo { paint-order: stroke; stroke: var(--paper);" in style
 
 
 def test_it_prints_to_a4():

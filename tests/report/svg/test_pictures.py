@@ -83,6 +83,24 @@ def test_a_plot_of_nothing_at_all_can_be_drawn():
     assert not styled(polar("plane", [Arrow(0j, "before")]), "polygon", "before")
 
 
+@pytest.mark.parametrize(
+    "name", ["I", "II, turbine wheel side, reachable through the volute", "a_name_without_any_place_to_break_it_at_all"]
+)
+@pytest.mark.parametrize("kind", ["polar", "end view"])
+def test_a_heading_stands_in_the_picture_however_long_it_is(name, kind):
+    loops = [100.0 * np.exp(1j * np.linspace(0.0, 2 * np.pi, 60)).view(float).reshape(-1, 2)]
+    plane = PlaneRow(name, 90.0, radius=100.0)
+    picture = polar(f"plane {name}", []) if kind == "polar" else end_view(plane, loops, [])
+    _, top, width, height = map(float, tree(picture).get("viewBox").split())
+    lines = [k for k in styled(picture, "text", "strong") if not k.text.endswith("°")]
+    assert re.sub(r"\s", "", "".join(line.text for line in lines)).startswith(re.sub(r"\s", "", f"plane{name}"))
+    for line in lines:
+        size, y = number(line, "font-size", "y")
+        assert 0.7 * size * len(line.text) <= width + 1e-9
+        assert y - 0.8 * size >= top - 1e-9
+    assert top + height == pytest.approx(60.0 if kind == "polar" else 68.0)
+
+
 def test_marks_on_the_rim_tell_adding_from_removing():
     picture = polar("plane", [], marks=[Mark(90.0, True), Mark(180.0, False)])
     (added,), (removed,) = styled(picture, "circle", "added"), styled(picture, "circle", "removed")

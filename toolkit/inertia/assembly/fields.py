@@ -44,6 +44,7 @@ from inertia.documents import (
     text,
 )
 from inertia.errors import UsageError
+from inertia.estimate import written
 from inertia.mesh.tree import Matrix, determinant
 from inertia.mesh.turns import Quaternion, about
 from inertia.records import dataclass
@@ -125,6 +126,20 @@ def _matrix(value: Any, path: str) -> Float:
     if size == 4 and matrix[3].tolist() != [0, 0, 0, 1]:
         raise FieldError(f"{path}[3]", f"is {matrix[3].tolist()}: the last row of a placement is 0, 0, 0, 1")
     return matrix
+
+
+_ESTIMATE = estimate("")
+
+
+def _scale(value: Any, path: str) -> float:
+    scale: float = _ESTIMATE(value, path)
+    if scale != 1:
+        raise FieldError(
+            path,
+            f"is {written(scale)}: coordinates are taken as stored, so that it is 1 with an uncertainty, as '1±0.002'; "
+            "where they have another size, give unit or stretch",
+        )
+    return scale
 
 
 def _stretch(value: Any, path: str) -> Matrix:
@@ -344,7 +359,7 @@ class PartFields(Section):
     shell: Annotated[float | None, estimate(_LENGTH)] = None
     sigma: Annotated[float | None, number(_LENGTH, positive=True)] = None
     surface_uncertainty: Annotated[float | None, number(_LENGTH, negative=False)] = None
-    scale: Annotated[float | None, estimate("")] = None
+    scale: Annotated[float | None, Reader(_scale, {"oneOf": [{"const": 1}, _ESTIMATE.schema["oneOf"][1]]})] = None
     scale_of: Annotated[str | None, text] = None
     center_of_mass_uncertainty: Annotated[float | None, number(_LENGTH, negative=False)] = None
     inertia_uncertainty: Annotated[Float | None, _SPREAD] = None

@@ -23,7 +23,7 @@ from inertia.balancing.unbalance import Complex
 from inertia.errors import GeometryError, UsageError
 from inertia.records import dataclass
 
-_PARALLEL = 1e-9  # sine of the angle between two weights
+_PARALLEL = 1e-9  # sine of the angle between two weights; weights no farther apart, of the largest, are one
 _SAME = 1e-3  # of an unbalance: places no farther apart are one
 _ALIKE = 9  # decimals of a misfit: what is beyond them is rounding
 _STEPS = 50
@@ -70,11 +70,13 @@ def amplitude_balance(amplitudes: ArrayLike, weights: ArrayLike) -> tuple[Amplit
     if sizes.ndim != 1 or sizes.shape != mounted.shape:
         raise UsageError(f"amplitudes have shape {sizes.shape} and weights {mounted.shape}: give one of each a run")
     bare = np.flatnonzero(mounted == 0)
-    places = len(set(mounted.tolist()))
+    apart = np.abs(mounted[:, None] - mounted) > _PARALLEL * np.abs(mounted).max(initial=0.0)
+    places = sum(bool(row[:k].all()) for k, row in enumerate(apart))
     if not len(bare) or places < 3:
+        zero = "one of them zero" if len(bare) else "none of them zero"
         raise UsageError(
-            f"{places} different weights are given, {len(bare)} of them zero: without phase it takes a run without "
-            "weight and two or more with one, at different places"
+            f"{places} different weights are given, {zero}: without phase it takes a run without weight and two or "
+            "more with one, at different places"
         )
     largest = float(sizes.max())
     if not largest:
@@ -119,7 +121,7 @@ def _of_three(bare: float, sizes: Float, weights: Complex) -> list[complex]:
         return [beta * g + h for beta in betas if beta > 0]
     along = weights[0] / lengths[0]
     first, second = (weights / along).real.tolist()
-    if first == second:
+    if abs(first - second) <= _PARALLEL * max(abs(first), abs(second)):
         return []
     # Both on one line, at places p: (Rₖ² − R₀²)/pₖ = a² (2 x + pₖ), and the unbalance lies on either side of the line.
     over = gains / [first, second]

@@ -8,8 +8,9 @@ from the last run alone, as an error that runs have in common does not cancel th
 `inertia.balancing.measured.index_balancing` tells the two apart.
 
 Half-widths a of readings, their runout and weights count as standard uncertainties a/√3 and are carried through the
-whole calculation numerically, one after the other (JCGM 100:2008, 4.3.7 and note 2 to 5.1.3). What is stated of
-readings is of those that were read, with their runout.
+whole calculation numerically, one after the other (JCGM 100:2008, 4.3.7 and note 2 to 5.1.3): a weight by a small part
+of its own, as the coefficients are a quotient by what the weights of a run come to, which may be less than they are
+uncertain by. What is stated of readings is of those that were read, with their runout.
 
 That is of first order, and the unbalance is a quotient: with errors δA of the coefficients, an estimate is off by
 d = (1 + N)⁻¹ e, with e the error of first order and N = A⁺ δA. The confidence region of a quotient is wider by that,
@@ -42,7 +43,8 @@ COVERAGE = 2.0
 """Of the standard uncertainty, for about 95 % of the magnitude of an unbalance."""
 
 _RECTANGLE = math.sqrt(3.0)
-_SAME = 1e-9  # of the largest weight: what is mounted in two runs is the same
+_SAME = 1e-9  # of the largest weight: what is mounted in two runs is the same; of all that cancel, what is left is none
+_PART = 1e-4  # of the uncertainty of a weight: what it is moved by
 _SINGULAR = 1e10
 _SAME_FIT = 0.02  # misfit, relative, up to which a second place without phase counts as one too
 _SEEN = 2.6  # standard uncertainties by which an effect has to be more than its noise comes to, √(2 d) of d complex
@@ -163,8 +165,8 @@ def estimate(job: Job, stored: tuple[Complex, Float] | None = None, near: Estima
     nominal = _calculated(job, inputs, near)
     try:
         parts = [
-            0.5 * (_parts(_calculated(job, up, nominal)) - _parts(_calculated(job, down, nominal)))
-            for up, down in _moved(job, inputs, errors)
+            (_parts(_calculated(job, up, nominal)) - _parts(_calculated(job, down, nominal))) / (2.0 * part)
+            for up, down, part in _moved(job, inputs, errors)
         ]
     except GeometryError:
         if job.by_phase:
@@ -221,16 +223,18 @@ def reading_moves(job: Job, as_read: Complex) -> Complex:
     return moves
 
 
-def _moved(job: Job, inputs: _Inputs, errors: Float | None) -> Iterator[tuple[_Inputs, _Inputs]]:
-    """Yield the inputs with each of them moved up and down by its standard uncertainty."""
+def _moved(job: Job, inputs: _Inputs, errors: Float | None) -> Iterator[tuple[_Inputs, _Inputs, float]]:
+    """Yield the inputs with each of them moved up and down, and by what part of its standard uncertainty."""
 
-    def pair(name: str, index: tuple[int | slice | list[int], ...], move: complex) -> tuple[_Inputs, _Inputs]:
+    def pair(
+        name: str, index: tuple[int | slice | list[int], ...], move: complex, part: float = 1.0
+    ) -> tuple[_Inputs, _Inputs, float]:
         both = []
-        for sign in (1.0, -1.0):
+        for sign in (part, -part):
             array = getattr(inputs, name).copy()
             array[index] += sign * move
             both.append(replace(inputs, **{name: array}))
-        return both[0], both[1]
+        return both[0], both[1], part
 
     moves = reading_moves(job, inputs.readings + job.runouts)
     for side, run, k in np.argwhere(moves).tolist():
@@ -245,7 +249,7 @@ def _moved(job: Job, inputs: _Inputs, errors: Float | None) -> Iterator[tuple[_I
     for k, weight in enumerate(inputs.weights.tolist()):
         for move in (weight * stated.mass, 1j * weight * math.radians(stated.angle)):
             if move:
-                yield pair("weights", (k,), move / _RECTANGLE)
+                yield pair("weights", (k,), move / _RECTANGLE, _PART)
     if errors is not None:
         for channel, plane in np.argwhere(errors > 0).tolist():
             for move in (errors[channel, plane], 1j * errors[channel, plane]):
@@ -330,17 +334,25 @@ def _common(positions: tuple[float, ...]) -> tuple[Complex, Complex]:
 
 
 def mounted_weights(job: Job, weights: Complex) -> tuple[Complex, Complex]:
-    """Return what is on the rotor in each run (runs, n), and what stays on it after the last (n,)."""
+    """Return what is on the rotor in each run (runs, n), and what stays on it after the last (n,).
+
+    Weights that cancel are none, whatever rounding leaves of them.
+    """
     remaining = np.zeros(len(job.planes), complex)
     mounted = np.zeros((len(job.runs), len(job.planes)), complex)
     entries = list(zip(job.weights, weights.tolist(), strict=True))
+    stayed = np.zeros(len(job.planes))
     for run in range(len(job.runs)):
-        mounted[run] = remaining
+        mounted[run], sizes = remaining, stayed.copy()
         for (number, plane, _, stays), weight in entries:
             if number == run:
                 mounted[run, plane] += weight
+                sizes[plane] += abs(weight)
                 if stays:
                     remaining[plane] += weight
+                    stayed[plane] += abs(weight)
+        mounted[run, np.abs(mounted[run]) <= _SAME * sizes] = 0.0
+    remaining[np.abs(remaining) <= _SAME * stayed] = 0.0
     return mounted, remaining
 
 

@@ -206,20 +206,20 @@ class MountedFields(Section):
     Attributes
     ----------
     plane : where
+    angle : degrees
     mass_g : grams; negative where mass was taken away
     gmm : what it adds to the unbalance, g·mm, in place of a mass; negative where it was drilled away
     radius : at which the mass counts, of what a hole takes that of its centre; the plane's own without it
-    angle : degrees
     stays : whether it stays on for the runs that follow; a trial weight does not
     """
 
     section: ClassVar[str] = "weights"
 
     plane: Annotated[str, text]
+    angle: Annotated[float, number("degrees")]
     mass_g: Annotated[float | None, number("g")] = None
     gmm: Annotated[float | None, number("g·mm")] = None
     radius: Annotated[float | None, number(_LENGTH, positive=True)] = None
-    angle: Annotated[float, number("degrees")] = 0.0
     stays: Annotated[bool, flag] = False
 
     def require_sense(self, path: str) -> None:

@@ -11,7 +11,6 @@ import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.balancing.corrections.correction_plane import KitWeight, angle_of
-from inertia.balancing.corrections.disc_constrained_milp import Program, UnsettledError
 from inertia.balancing.corrections.standard_weights import choose_weights
 from inertia.balancing.unbalance import Complex
 from inertia.records import dataclass
@@ -26,8 +25,6 @@ _OVER = 1e-6  # of a limit: what a correction that keeps it was rounded by
 _LISTED = 200_000  # choices of weights that are listed at once
 _MANY = 32  # weights, whose choices are not listed any more
 _AT_ONCE = 4096  # of the choices found, looked at together
-_NODES = 500  # of one search for a smallest residual: some tenths of a second
-_LEEWAY = 4e-6  # of the heaviest weight, in what is left
 _NEIGHBOURS = 8  # pairs of weights tried for what others leave, the nearest first
 
 
@@ -207,7 +204,9 @@ def _steps(mass: float, step: float) -> tuple[float, ...]:
 def _of_kit(
     vector: complex, places: Sequence[float], kit: Sequence[KitWeight], most: int, limit: float, enough: float
 ) -> tuple[Piece, ...]:
-    slots = [(angle, weight) for angle in places for weight in kit]
+    slots = [(angle, weight) for angle in places for weight in kit if weight.mass <= limit]
+    if not slots:
+        return ()
     effects = [cmath.rect(weight.mass, angle) for angle, weight in slots]
     groups: list[tuple[list[int], int]] = [
         ([k for k, slot in enumerate(slots) if slot[0] == angle], most) for angle in places
@@ -231,41 +230,27 @@ def _of_kit(
 def _smallest(
     vector: complex, effects: Complex, most: Sequence[int], groups: Sequence[tuple[Sequence[int], int]], limit: float
 ) -> Int:
-    """Return how many weights of each effect leave least, of those the fewest, with all their masses within a limit."""
-    masses, everything = np.abs(effects), range(len(effects))
-    heaviest = float(masses.max())
+    """Return how many weights of each effect leave least, of those the fewest, with all their masses within a limit.
+
+    Where too many choices have to be looked at for that, what is found leaves little, but maybe not least.
+    """
+    heaviest = float(np.abs(effects).max())
 
     def chosen(*more: tuple[Sequence[int], int]) -> Int:
-        capped = [*groups, *more]
-        return choose_weights([effects], [-vector], [heaviest], most, capped, aim="smallest", largest=[limit]).counts
+        capped, largest = [*groups, *more], [limit]
+        return choose_weights([effects], [-vector], [heaviest], most, capped, aim="smallest", largest=largest).counts
 
-    counts = chosen()
-    if counts @ masses <= limit:
-        return counts
-    width = len(effects) + 1
-    number, left = np.r_[np.ones(width - 1), 0.0], np.r_[np.zeros(width - 1), 1.0]
-    rows = [(np.isin(np.arange(width), places).astype(float), 0.0, float(cap)) for places, cap in groups]
-    rows.append((np.r_[masses, 0.0] / heaviest, 0.0, limit / heaviest))
-
-    def least(cost: Float, *more: tuple[Float, float, float]) -> Float | None:
-        return Program(
-            effects=np.r_[effects, 0.0][None] / heaviest,
-            start=np.array([-vector / heaviest]),
-            radii=np.zeros(1),
-            reach=left[None],
-            upper=np.r_[np.asarray(most, float), np.inf],
-            integral=number,
-            rows=(*rows, *more),
-            nodes=_NODES,
-        ).least(cost)
-
-    try:
-        nearest = least(left)
-        fewest = None if nearest is None else least(number, (left, 0.0, float(nearest[-1]) + _LEEWAY))
-    except UnsettledError:
-        fewest = None
-    # So many of the heaviest are within the limit, whatever they leave.
-    return chosen((everything, int(limit / heaviest))) if fewest is None else np.round(fewest[:-1]).astype(np.int64)
+    if not math.isfinite(limit):
+        return chosen()
+    members, caps = _caps(effects, groups, limit)
+    near = _one_by_one(vector, effects, members, caps)
+    if (nearest := _nearest(vector, effects, members, caps, near)) is not None:
+        return nearest
+    others = chosen()
+    if others @ members[:, -1] > limit:
+        # So many of the heaviest are within the limit, whatever they leave.
+        others = chosen((range(len(effects)), int(limit / heaviest)))
+    return min(near, others, key=lambda counts: float(abs(counts @ effects - vector)))
 
 
 def _fewest(
@@ -278,10 +263,7 @@ def _fewest(
     """
     from scipy.spatial import KDTree
 
-    members = np.zeros((len(effects), len(groups)), np.int64)
-    for k, (places, _) in enumerate(groups):
-        members[list(places), k] = 1
-    caps = np.array([cap for _, cap in groups])
+    members, caps = _caps(effects, groups, limit)
     heaviest = float(np.abs(effects).max())
     for number in range(max(0, math.ceil((abs(vector) - enough) / heaviest)), _MANY):
         last = min(number, 2)
@@ -300,7 +282,7 @@ def _fewest(
         for some in np.array_split(order, -(-order.size // _AT_ONCE)):
             row, column = np.unravel_index(some, left.shape)
             chosen = np.column_stack([firsts[row], lasts[which[row, column]]])
-            allowed = (np.abs(effects[chosen]).sum(axis=1) <= limit) & (members[chosen].sum(axis=1) <= caps).all(axis=1)
+            allowed = (members[chosen].sum(axis=1) <= caps).all(axis=1)
             allowed &= left[row, column] <= enough
             if allowed.any():
                 return np.bincount(chosen[np.argmax(allowed)], minlength=len(effects))
@@ -309,18 +291,71 @@ def _fewest(
     return None
 
 
-def _listed(vector: complex, effects: Complex, members: Int, caps: Int, near: Sequence[float]) -> Int | None:
+def _caps(effects: Complex, groups: Sequence[tuple[Sequence[int], int]], limit: float) -> tuple[Float, Float]:
+    """Return what a weight of each effect counts in each group, and last its mass (n, g + 1), and the most of each."""
+    members = np.zeros((len(effects), len(groups) + 1))
+    for k, (places, _) in enumerate(groups):
+        members[list(places), k] = 1
+    members[:, -1] = np.abs(effects)
+    return members, np.array([*(cap for _, cap in groups), limit])
+
+
+def _listed(vector: complex, effects: Complex, members: Float, caps: Float, near: Sequence[float]) -> Int | None:
     """Return all ascending choices (choices, n) that after each weight are so near a vector; None of too many."""
-    rows, wholes, used = np.zeros((1, 0), np.int64), np.zeros(1, complex), np.zeros((1, len(caps)), np.int64)
-    for size, reach in enumerate(near):
+    rows, used = np.zeros((1, 0), np.int64), np.zeros((1, len(caps)))
+    for reach in near:
         if len(rows) * len(effects) > _LISTED:
             return None
-        row, slot = (k.ravel() for k in np.indices((len(rows), len(effects))))
-        kept = np.abs(vector - wholes[row] - effects[slot]) <= reach
-        if size:
-            kept &= rows[row, -1] <= slot
-        row, slot = row[kept], slot[kept]
-        within = (used[row] + members[slot] <= caps).all(axis=1)
-        row, slot = row[within], slot[within]
-        rows, wholes, used = np.column_stack([rows[row], slot]), wholes[row] + effects[slot], used[row] + members[slot]
+        rows, used = _with_one_more(rows, used, members, caps)
+        kept = np.abs(vector - effects[rows].sum(axis=1)) <= reach
+        rows, used = rows[kept], used[kept]
     return rows
+
+
+def _one_by_one(vector: complex, effects: Complex, members: Float, caps: Float) -> Int:
+    """Return how many weights of each effect come near a vector, each in turn the one that leaves least."""
+    counts, left = np.zeros(len(effects), np.int64), abs(vector)
+    while True:
+        off = np.abs(vector - counts @ effects - effects)
+        off[(counts @ members + members > caps).any(axis=1)] = math.inf
+        k = int(np.argmin(off))
+        if off[k] >= left:
+            return counts
+        counts[k] += 1
+        left = float(off[k])
+
+
+def _nearest(vector: complex, effects: Complex, members: Float, caps: Float, near: Int) -> Int | None:
+    """Return how many weights of each effect are the nearest to a vector, of those the fewest; None of too many.
+
+    What mass is left of the limit brings a choice nearer by no more than that: it is given up where that does not make
+    it nearer than those that are `near`.
+    """
+    rows, used, best = np.zeros((1, 0), np.int64), np.zeros((1, len(caps))), near
+    left = float(abs(near @ effects - vector)) + _NOTHING * abs(vector)
+    while len(rows):
+        if len(rows) * len(effects) > _LISTED:
+            return None
+        rows, used = _with_one_more(rows, used, members, caps)
+        off: Float = np.abs(vector - effects[rows].sum(axis=1))
+        if len(rows) and off.min() < left - _NOTHING * left:
+            best, left = np.bincount(rows[np.argmin(off)], minlength=len(effects)), float(off.min())
+        kept = off - (caps[-1] - used[:, -1]) < left
+        rows, used = rows[kept], used[kept]
+    return best
+
+
+def _with_one_more(rows: Int, used: Float, members: Float, caps: Float) -> tuple[Int, Float]:
+    """Return ascending choices (choices, n) with each weight more that keeps the order and the caps, and what it uses.
+
+    Parameters
+    ----------
+    used : (choices, g + 1) of the caps
+    """
+    row, slot = (k.ravel() for k in np.indices((len(rows), len(members))))
+    if rows.shape[1]:
+        ascending = rows[row, -1] <= slot
+        row, slot = row[ascending], slot[ascending]
+    within = (used[row] + members[slot] <= caps).all(axis=1)
+    row, slot = row[within], slot[within]
+    return np.column_stack([rows[row], slot]), used[row] + members[slot]

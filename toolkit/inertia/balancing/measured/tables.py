@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ from inertia.encoding import text_of
 from inertia.errors import InertiaError, ReadError, placed
 from inertia.output import note_input
 from inertia.standard_input import reason_of
-from inertia.tables import cell_text
+from inertia.tables import cell_number, cell_text, headed
 
 _COLUMNS = ("run", "sensor", "rpm", "amplitude", "phase")
 
@@ -23,47 +22,22 @@ def readings_of(file: Path) -> Iterator[tuple[str, str, ReadingFields]]:
 
     Raises `ReadError`, or `UsageError` where a figure is not usable, naming the line.
     """
-    try:
-        yield from _rows(file)
-    except csv.Error as error:
-        raise ReadError(f"cannot read {file}: it is no CSV: {error}", code="table") from None
-
-
-def _rows(file: Path) -> Iterator[tuple[str, str, ReadingFields]]:
     note_input(file)
     try:
-        lines = text_of(file.read_bytes(), "save the table as CSV in UTF-8").splitlines()
+        table = headed(text_of(file.read_bytes(), "save the table as CSV in UTF-8"), comments=True)
+        _require_columns(table.columns)
+        rows = list(table.rows)
     except OSError as error:
         raise ReadError(f"cannot read {file}: {reason_of(error)}", code="no_file") from None
     except ReadError as error:
         raise placed(error, f"cannot read {file}") from None
-    first = next((line for line in lines if line.strip()), "")
-    rows = csv.reader(lines, delimiter=";" if ";" in first else ",")
-    head: list[str] = []
-    for row in rows:
-        cells = [cell.strip() for cell in row]
-        if not any(cells) or cells[0].startswith("#"):
-            continue
-        if not head:
-            head = [cell.lower() for cell in cells]
-            for name in ("run", "sensor", "amplitude"):
-                if name not in head:
-                    parted = ", parted by commas or semicolons, not by tabs" if "\t" in first else ""
-                    raise ReadError(
-                        f"cannot read {file}: no column {name}: its first line must name {', '.join(_COLUMNS)}{parted}",
-                        code="table",
-                    )
-            if unknown := [name for name in head if name not in _COLUMNS]:
-                raise ReadError(
-                    f"cannot read {file}: the column {unknown[0]!r} is unknown: use {', '.join(_COLUMNS)}", code="table"
-                )
-            continue
-        where = f"{file}: line {rows.line_num}"
-        if len(cells) != len(head):
+    for line, cells in rows:
+        where = f"{file}: line {line}"
+        if len(cells) < len(table.columns):
             raise ReadError(
-                f"cannot read {where}: it has {len(cells)} cells, and the first line {len(head)}", code="table"
+                f"cannot read {where}: it has {len(cells)} cells, and the first line {len(table.columns)}", code="table"
             )
-        entry: dict[str, Any] = {name: cell for name, cell in zip(head, cells, strict=True) if cell}
+        entry: dict[str, Any] = {name: cell for name, cell in cells.items() if cell}
         for name in ("rpm", "amplitude", "phase"):
             if name in entry:
                 entry[name] = _float(entry[name], f"{where}: {name}")
@@ -75,9 +49,17 @@ def _rows(file: Path) -> Iterator[tuple[str, str, ReadingFields]]:
             raise placed(error, where) from None
 
 
+def _require_columns(columns: Sequence[str]) -> None:
+    for name in ("run", "sensor", "amplitude"):
+        if name not in columns:
+            raise ReadError(f"no column {name}: its first line must name {', '.join(_COLUMNS)}", code="table")
+    if unknown := [name for name in columns if name not in _COLUMNS]:
+        raise ReadError(f"the column {unknown[0]!r} is unknown: use {', '.join(_COLUMNS)}", code="table")
+
+
 def _float(cell: str, where: str) -> float:
     try:
-        return float(cell)
+        return cell_number(cell)
     except ValueError:
         raise ReadError(
             f"cannot read {where} is {cell!r}: it must be a number, with a point for decimals", code="not_a_number"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import product
 from typing import Any, Literal, get_args
 
-from inertia.documents import Reader, choice
+from inertia.documents import FieldError, Reader, short_repr
 
 UnbalanceUnit = Literal["g·mm", "oz·in"]
 
@@ -20,10 +20,13 @@ def unbalance_unit(*others: str) -> Reader:
     >>> unbalance_unit().read("oz-in", "machine.unit"), unbalance_unit("g").read("g", "weights")
     ('oz·in', 'g')
     """
-    words = choice(*_UNITS, *others)
+    words = {**_SPELLINGS, **dict(zip(others, others, strict=True))}
 
     def read(value: Any, path: str) -> str:
-        known = _SPELLINGS.get(value) if isinstance(value, str) else None
-        return known or words.read(value, path)
+        if isinstance(value, str) and value in words:
+            return words[value]
+        # None is named as meant: what is spelled like it, as "g·cm", is another unit.
+        listed = ", ".join(map(repr, (*_UNITS, *others)))
+        raise FieldError(path, f"is {short_repr(value)}: use one of {listed}, and give the figures in it")
 
-    return Reader(read, {"enum": [*_SPELLINGS, *others]})
+    return Reader(read, {"enum": list(words)})

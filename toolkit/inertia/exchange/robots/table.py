@@ -27,11 +27,12 @@ from inertia.mass.tensor import tensor_of
 from inertia.mesh.readers.contents import shown
 from inertia.records import dataclass
 from inertia.standard_input import file_of
-from inertia.tables import cell_text
+from inertia.tables import cell_number, cell_text
 from inertia.units import length_unit
 
 _CENTER = ("com_x", "com_y", "com_z")
 _ELEMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+_NEEDED = ("name", "mass", *_ELEMENTS)
 _Written = tuple[Figures | None, Figures | None]  # of the centre and the tensor
 _OPTIONAL = ("mesh", "unit", "products")
 
@@ -87,9 +88,11 @@ def read_csv(path: Path) -> Robot:
     rows = csv.DictReader(io.StringIO(content), delimiter=delimiter, skipinitialspace=True)
     try:
         names = [name.strip().lower() for name in rows.fieldnames or []]
-        missing = [name for name in ("name", "mass", *_ELEMENTS) if name not in names]
+        missing = [name for name in _NEEDED if name not in names]
         if missing:
             raise ReadError(f"its first line names no column {missing[0]}: it is no list of parts", code="table")
+        if twice := next((name for name in (*_NEEDED, *_CENTER, *_OPTIONAL) if names.count(name) > 1), None):
+            raise ReadError(f"its first line names the column {twice} twice: leave one out", code="table")
         rows.fieldnames = names
         return _robot(path, "csv", (_row(row, f"line {rows.line_num}") for row in rows))
     except csv.Error as error:
@@ -138,7 +141,7 @@ def _row(row: Mapping[str | None, Any], where: str) -> tuple[Mapping[str, Any], 
     def value(name: str) -> float:
         word = (row.get(name) or "").strip()
         try:
-            return float(word)
+            return cell_number(word)
         except ValueError:
             raise FieldError(f"{where}.{name}", f"is {shown(word)}: it must be a number") from None
 

@@ -15,10 +15,11 @@ from inertia.arrays import Float
 from inertia.assembly.budget import Budget
 from inertia.assembly.limits import COVERAGE, Limit
 from inertia.output import require_writable, write_whole
-from inertia.report.budget.text import figure, limit_figures
+from inertia.report.budget.text import figure, limit_figures, limit_unit
 from inertia.report.numerals import cleared
 from inertia.report.svg.canvas import Canvas
 from inertia.report.templates import templates
+from inertia.units import Unit
 
 _BARS = 8
 _SIZE = 60.0  # mm
@@ -53,7 +54,7 @@ def budget_html(budget: Budget) -> str:
         center=center,
         tensor=tensor,
         tensor_is_zero=not math.isfinite(properties.error.inertia),
-        limits=[_row(limit, metres) for limit in budget.limits],
+        limits=[_row(limit, unit) for limit in budget.limits],
         figures=list(_figures(budget)),
     )
 
@@ -65,11 +66,12 @@ def write_budget(budget: Budget, file: str | os.PathLike[str], *, force: bool = 
     return path
 
 
-def _row(limit: Limit, metres: float) -> dict[str, Any]:
-    scale = 1 / metres if limit.what.startswith("center_of_mass") else 1.0
+def _row(limit: Limit, unit: Unit) -> dict[str, Any]:
+    scale, name = limit_unit(limit, unit)
     low, value, high = limit_figures(limit, scale)
     return {
         "what": limit.what,
+        "unit": name,
         "low": low,
         "high": high,
         "value": value.removesuffix(" (95 %)"),

@@ -146,14 +146,24 @@ def _interferences(pairs: Sequence[Interference] | None, assembly: Assembly) -> 
 
 def limit_words(limit: Limit, unit: Unit) -> str:
     """Return a limit, what it is on with its interval, and what became of it."""
-    length = limit.what.startswith("center_of_mass")
-    scale = 1 / float(unit.metres) if length else 1.0
-    name = unit.name if length else "kg" if limit.what.endswith("mass") else "kg m²"
-    name = "" if "/" in limit.what else f" {name}"
+    scale, name = limit_unit(limit, unit)
+    name = f" {name}" if name else ""
     low, value, high = limit_figures(limit, scale)
     ends = ([f"≥ {low}"] if low else []) + ([f"≤ {high}"] if high else [])
     margin = f", margin {scale * limit.margin:.4g}" if math.isfinite(limit.margin) else ""
     return f"{limit.what} {' and '.join(ends)}{name}: {value}{name}{margin}: {limit.verdict.upper()}"
+
+
+def limit_unit(limit: Limit, unit: Unit) -> tuple[float, str]:
+    """Return what the figures of a limit, SI, are multiplied by to be shown, and the unit that they then have.
+
+    Parameters
+    ----------
+    unit : of lengths; a ratio has none
+    """
+    length = limit.what.startswith("center_of_mass")
+    name = unit.name if length else "kg" if limit.what.endswith("mass") else "kg m²"
+    return 1.0 / float(unit.metres) if length else 1.0, "" if "/" in limit.what else name
 
 
 def limit_figures(limit: Limit, scale: float) -> tuple[str, str, str]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import cmath
 import math
+import textwrap
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement, tostring
 
@@ -15,6 +16,8 @@ from markupsafe import Markup
 Point = tuple[float, float]
 
 _TEXT = 0.56  # mean width of a character, of the text's height
+_STRONG = 0.7  # of a heading, at most
+_LEADING = 1.2  # from line to line of a heading, of the text's height
 
 
 class Canvas:
@@ -26,6 +29,7 @@ class Canvas:
             {"viewBox": f"0 0 {_mm(width)} {_mm(height)}", "style": f"width:{_mm(width)}mm", "role": "img"},
         )
         SubElement(self._root, "title").text = title
+        self._width, self._height = width, height
 
     def markup(self) -> Markup:
         """Return the picture, to be put into a page as it is."""
@@ -66,6 +70,14 @@ class Canvas:
         if style:
             attributes["class"] = style
         SubElement(self._root, "text", attributes).text = text
+
+    def heading(self, text: str, y: float, *, size: float) -> None:
+        """Write a heading in the middle, its last line at `y`: the picture grows upwards by what further lines take."""
+        lines = textwrap.wrap(text, max(1, int(self._width / (_STRONG * size))))
+        above = _LEADING * size * (len(lines) - 1)
+        self._root.set("viewBox", f"0 {_mm(-above)} {_mm(self._width)} {_mm(self._height + above)}")
+        for k, line in enumerate(lines):
+            self.text((0.5 * self._width, y - above + _LEADING * size * k), line, size=size, style="strong")
 
     def arrow(self, start: Point, end: Point, style: str, head: float = 2.2) -> None:
         """Draw an arrow; a short one keeps its head, which then is smaller."""

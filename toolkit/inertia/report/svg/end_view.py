@@ -36,7 +36,7 @@ def end_view(plane: PlaneRow, loops: Sequence[Float], operations: Sequence[tuple
     largest = max([*far, plane.radius or 0.0]) or 1.0
     scale = _REACH / largest
     canvas = Canvas(_WIDTH, _HEIGHT, f"plane {plane.id} seen from B, with the work at scale")
-    canvas.text((_CENTER[0], 4.0), f"plane {plane.id}, z {plain(plane.z, 2)} mm", size=3.2, style="strong")
+    canvas.heading(f"plane {plane.id}, z {plain(plane.z, 2)} mm", 4.0, size=3.2)
     canvas.path([[_at(scale * complex(*point)) for point in _thinned(loop, scale)] for loop in loops], "rotor")
     for start, stop in plane.forbidden:
         canvas.polygon(_sector(start, stop), "forbidden")

@@ -75,7 +75,7 @@ def polar(
     _labels(canvas, rings, scale, arrows)
     for mark in marks:
         _mark(canvas, mark)
-    canvas.text((0.5 * _WIDTH, 3.0), title, size=2.9, style="strong")
+    canvas.heading(title, 3.0, size=2.9)
     return canvas.markup()
 
 
