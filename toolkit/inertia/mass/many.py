@@ -225,12 +225,14 @@ def _as(array: Any, kind: Any) -> Any:
 
 def _answer_alone(answer: Many, k: int, vertices: Any, faces: Any, density: float, unit: str) -> None:
     try:
-        one = mass_properties(Part.from_arrays(vertices, faces, unit), density)
+        try:
+            part = Part.from_arrays(vertices, faces, unit)
+        except (TypeError, ValueError) as error:
+            answer.refusals[k] = f"the arrays hold no mesh: {error}"
+            return
+        one = mass_properties(part, density)
     except InertiaError as error:
         answer.refusals[k] = str(error)
-        return
-    except (TypeError, ValueError) as error:
-        answer.refusals[k] = f"the arrays hold no mesh: {error}"
         return
     answer.volume[k], answer.mass[k], answer.center_of_mass[k] = one.volume, one.mass, one.center_of_mass
     answer.inertia[k], answer.volume_error[k] = one.inertia, max(one.error.volume, one.error.mass)

@@ -130,7 +130,8 @@ def all_outward(triangles: Triangles, labels: NDArray[np.int32], count: int) -> 
 def chunks(triangles: Triangles, labels: NDArray[np.integer[Any]]) -> Iterator[tuple[slice, int, int, int, int, int]]:
     """Yield the triangles chunk by chunk: which they are, and where vertices, faces and labels lie, with numbers."""
     surface = triangles if isinstance(triangles, Surface) else None
-    size = triangles.count if type(triangles) is Surface else _CACHED  # whatever has its arrays in memory is one chunk
+    # Whatever has its arrays in memory is one chunk.
+    size = max(triangles.count, 1) if type(triangles) is Surface else _CACHED
     each = np.arange(3 * _CACHED if surface is None else 0).reshape(-1, 3)
     for start in range(0, triangles.count, size):
         own = labels[start : start + size]
