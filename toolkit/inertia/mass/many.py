@@ -225,11 +225,11 @@ def _as(array: Any, kind: Any) -> Any:
 
 def _answer_alone(answer: Many, k: int, vertices: Any, faces: Any, density: float, unit: str) -> None:
     try:
-        try:
-            part = Part.from_arrays(vertices, faces, unit)
-        except (TypeError, ValueError) as error:
-            answer.refusals[k] = f"the arrays hold no mesh: {error}"
-            return
+        part = Part.from_arrays(vertices, faces, unit)
+    except (InertiaError, TypeError, ValueError) as error:
+        answer.refusals[k] = str(error) if isinstance(error, InertiaError) else f"the arrays hold no mesh: {error}"
+        return
+    try:
         one = mass_properties(part, density)
     except InertiaError as error:
         answer.refusals[k] = str(error)
