@@ -146,7 +146,8 @@ def in_a_ball(*inner: Mesh, mixed: int | None) -> Surface:
 
 LARGE = {
     "a ball in the hole of a ring, beside": [
-        (vertices + [10, 0, 0], faces) for vertices, faces in (ring(96, 48, 3.0, 1.0), sphere(radius=0.9, splits=5))
+        (np.add(vertices, [10, 0, 0]), faces)
+        for vertices, faces in (ring(96, 48, 3.0, 1.0), sphere(radius=0.9, splits=5))
     ],
     "a thick wall": [inside_out(sphere(radius=1.2, splits=5))],
     "a thin wall": [inside_out(sphere(radius=1.95, splits=5))],
