@@ -379,3 +379,20 @@ def test_the_accuracy_that_a_closed_form_asks_for_is_reached(spin: list, duratio
         simulate(scene(**changes, run__accuracy=1e-15))
     advice = float(str(refusal.value).split("reaches ")[1].split(" rad")[0])
     assert simulate(scene(**changes, run__accuracy=advice)).error.reached <= advice
+
+
+@pytest.mark.parametrize(("moments", "spin"), [([3, 4, 6], [2, 3, 1]), ([6, 8, 12], [-4, 0, 2])])
+def test_a_spin_on_the_separatrix_goes_round_neither_axis(moments: list[float], spin: list[float]) -> None:
+    """2T I2 = L² exactly, 216 and 1152: what is left in the end is the spin about the intermediate axis."""
+    run = simulate(
+        Scene.from_dict(
+            {
+                "body": {"principal_moments": moments},
+                "start": {"angular_velocity": spin},
+                "run": {"duration": 10.0, "samples": 2},
+            }
+        )
+    )
+    assert [remark for remark in run.remarks if "goes round" in remark] == []
+    assert any("on the separatrix: it goes to the axis of the intermediate moment" in remark for remark in run.remarks)
+    assert np.abs(run.angular_velocity[-1, [0, 2]]).max() < 1e-3 * np.abs(run.angular_velocity[-1, 1])

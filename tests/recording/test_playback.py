@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -89,6 +90,27 @@ def test_poses_are_the_model_s_however_far_apart_the_samples_are(samples: int) -
     assert turned <= NEAR * (1 + 1e-9)
     assert f"the body turns by {turned:.2g} rad at most" in frames.note
     assert "to 1.2·10⁻⁷ rad in single precision" in frames.note
+
+
+@pytest.mark.parametrize("samples", [2, 5, 61])
+@pytest.mark.parametrize("look", ["pendulum", "top"])
+def test_poses_are_near_where_the_body_turns_faster_than_at_its_samples(look: str, samples: int) -> None:
+    """A pendulum that nearly goes over is fast below and slow above, a top that falls is fast at its lowest."""
+    if look == "pendulum":  # whose period is 2 s: it rests at each of the 61 samples, or at every 30th
+        held: dict[str, Any] = {"kind": "hinge", "axis": [1.0, 0.0, 0.0]}
+        body = {"principal_moments": [0.02, 0.02, 0.01], "mass": 1.0, "center_of_mass": [0.0, 0.0, -0.5]}
+        start = {"angular_velocity": [0.0, 0.0, 0.0], "attitude": [0.9, 0.0, 0.0, np.sqrt(1.0 - 0.81)]}
+    else:
+        held = {"kind": "fixed_point"}
+        body = {"principal_moments": [1.0, 1.0, 0.5], "mass": 1.0, "center_of_mass": [0.0, 0.0, 1.0]}
+        start = {"angular_velocity": [0.0, 0.0, 3.0], "attitude": [0.2, 0.0, 0.0, np.sqrt(1.0 - 0.04)]}
+    table = {"body": body, "start": start, "constraint": held, "load": [{"kind": "gravity"}]}
+    run = simulate(Scene.from_dict(table | {"run": {"duration": 60.0, "samples": samples, "accuracy": 1e-6}}))
+    frames = frames_of(run)
+    drawn = Rotation.from_quat(frames.attitude[: frames.play.near])
+    assert (drawn[1:] * drawn[:-1].inv()).magnitude().max() <= 1.01 * NEAR
+    fastest = np.linalg.norm(run.at(np.linspace(0.0, 60.0, 2001)).angular_velocity, axis=1).max()
+    assert fastest * frames.play.speed <= 2.0 * np.pi * 1.01  # one turn a second on the screen
 
 
 def test_a_run_that_cannot_be_followed_again_is_shown_at_its_samples(tmp_path: Path) -> None:

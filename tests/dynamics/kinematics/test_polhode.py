@@ -8,7 +8,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from inertia.dynamics.kinematics.polhode import herpolhode, polhode, polhode_family, separatrix
+from inertia.dynamics.kinematics.polhode import covered, herpolhode, polhode, polhode_family, separatrix
+from inertia.dynamics.kinematics.stability import separatrix_distance
+from inertia.dynamics.models.free.motion import free_motion
 from inertia.errors import GeometryError
 
 moment = st.floats(0.5, 1)
@@ -82,6 +84,36 @@ def test_the_polhode_of_a_symmetric_top_is_a_circle() -> None:
 
 def test_a_steady_spin_is_its_own_polhode() -> None:
     assert polhode([1, 2, 3], [0, 0, 5], samples=3).branches.tolist() == [[[0, 0, 5]] * 3, [[0, 0, -5]] * 3]
+
+
+@pytest.mark.parametrize("order", list(itertools.permutations(range(3))))
+@pytest.mark.parametrize("signs", list(itertools.product((1.0, -1.0), repeat=3)))
+def test_on_the_separatrix_a_body_covers_the_arc_that_its_motion_does(order: list[int], signs: list[float]) -> None:
+    """2T I2 = L² = 216 exactly; the arc goes from one end of the intermediate axis to the other, √13.5 rad/s long."""
+    moments, omega = np.array([3.0, 4.0, 6.0])[list(order)], (np.array([2.0, 3.0, 1.0]) * signs)[list(order)]
+    arc = covered(moments, omega, samples=20_001)
+    _, spin = free_motion(moments, omega, np.linspace(-20.0, 20.0, 101))
+    nearest = np.abs(spin[:, None] - arc).max(axis=2)
+    assert nearest.min(axis=1).max() < 4e-4  # between two samples
+    assert (np.diff(nearest.argmin(axis=1)) >= 0).all()
+    middle = order.index(1)
+    assert arc[[0, -1], middle] == pytest.approx(np.sign(spin[-1, middle]) * np.sqrt(13.5) * np.array([-1.0, 1.0]))
+    assert np.delete(arc[[0, -1]], middle, axis=1) == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("moments", "omega"),
+    [([1, 2, 3], [0, -2, 0]), ([1, 2, 3], [0, 0, 5]), ([2, 2, 3], [1, 2, 0]), ([2, 1, 2], [3, 0, 1])],
+)
+def test_a_steady_spin_covers_one_point(moments: list[float], omega: list[float]) -> None:
+    assert np.abs(covered(moments, omega, samples=5) - omega).max() < 1e-15
+
+
+@settings(deadline=None)
+@given(three_moments, spin)
+def test_elsewhere_a_body_covers_all_of_its_polhode(moments: tuple[float, ...], omega: tuple[float, ...]) -> None:
+    assume(len(set(moments)) == 3 and np.linalg.norm(omega) > 1e-3 and separatrix_distance(moments, omega))
+    assert np.array_equal(covered(moments, omega, samples=33), polhode(moments, omega, samples=33).branches[0])
 
 
 @settings(deadline=None)

@@ -213,7 +213,20 @@ def write(folder: Path, text: str) -> Path:
     return file
 
 
-@pytest.mark.parametrize("heading", ["", "time,x,y,z\n", "\ufefftime [s], Nx, Ny, Nz\n"])
+@pytest.mark.parametrize(
+    "heading",
+    [
+        "",
+        "time,x,y,z\n",
+        "\ufefftime [s], Nx, Ny, Nz\n",
+        "t (s),torque_x (N m),torque_y (N·m),torque_z (Nm)\n",
+        "Time/s,Mx/Nm,My/Nm,Mz/Nm\n",
+        "time s,N1,N2,N3 N m\n",
+        "# time,x,y,z\n",  # by numpy.savetxt
+        "# of wheel 3, tuned, 2024, by hand\n\ntime,x,y,z\n# from here on\n",
+        'time_s,"x, N m",τy,tau_z_Nm\n',
+    ],
+)
 def test_csv_is_read(heading: str, tmp_path: Path) -> None:
     table = read_table(write(tmp_path, heading + "0, 1, 2, 3\n\n0.5,4,5,6\n"))
     assert table.times.tolist() == [0.0, 0.5]
@@ -229,7 +242,19 @@ def test_csv_is_read(heading: str, tmp_path: Path) -> None:
         ("0,1,2,3\n1,2,3,4\n\n0.5,0,0,0\n", "line 4: time 0.5 s follows 1 s: sort"),
         ("t,x,y,z\n0,1,2,3\n", "has 1 rows, at least 2"),
         ("", "has 0 rows"),
-        ("a,b\nc,d\n", "line 2: 2 columns"),
+        ("a,b\nc,d\n", "line 1: 2 columns, 4 are needed"),
+        ("time,z,y,x\n0,1,0,0\n2,1,0,0\n", "line 1: column 2 is named 'z', and x in N m is read there: give time, x"),
+        ("x,y,z,time\n0,1,0,0\n2,1,0,0\n", "line 1: column 1 is named 'x', and time in s is read there"),
+        ("time [ms],x,y,z\n0,1,0,0\n2,1,0,0\n", r"line 1: column 1 is named 'time \[ms\]', and time in s"),
+        ("time [s],x [Nmm],y [Nmm],z [Nmm]\n0,1,0,0\n2,1,0,0\n", r"column 2 is named 'x \[Nmm\]', and x in N m"),
+        ("time,N2,N1,N3\n0,1,0,0\n2,1,0,0\n", "column 2 is named 'N2', and x in N m"),
+        ("# time,z,y,x\n0,1,0,0\n2,1,0,0\n", "line 1: column 2 is named 'z'"),
+        ("time,x,y,z\n0,5_74,0,0\n2,1,0,0\n", "line 2: '5_74' is not a finite number"),
+        ("time,x,y,z\ns,N m,N m,N m\n0,1,0,0\n2,1,0,0\n", "line 2: 's' is not a finite number"),
+        ("time ms,x,y,z\n0,1,0,0\n2,1,0,0\n", "column 1 is named 'time ms'"),
+        ("time,x [mN m],y,z\n0,1,0,0\n2,1,0,0\n", r"column 2 is named 'x \[mN m\]'"),
+        (f"time,{','.join(f'angular_velocity_{k}' for k in 'xyz')}\n0,1,0,0\n2,1,0,0\n", "'angular_velocity_x'"),
+        ("time,x,y,\n0,1,0,0\n2,1,0,0\n", "column 4 is named '', and z in N m"),
     ],
 )
 def test_csv_errors_name_the_line(text: str, says: str, tmp_path: Path) -> None:

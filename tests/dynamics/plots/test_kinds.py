@@ -163,6 +163,25 @@ def test_a_pendulum_has_the_separatrix_of_its_energy() -> None:
     assert np.ptp(energy[shown]) < 1e-9 * np.abs(energy[shown]).max()
 
 
+@pytest.mark.parametrize(("spin", "seen"), [(2.0, False), (4.5, True), (12.0, False)])
+def test_a_separatrix_is_in_the_legend_where_it_is_in_the_window(spin: float, seen: bool) -> None:
+    """It is at |θ̇| = 2 √(m g l/J) |cos ½θ|, 4.43 rad/s at most."""
+    table = {
+        "body": {"principal_moments": [1.0, 2.0, 2.5], "mass": 1.0, "center_of_mass": [0.0, 0.0, -1.0]},
+        "start": {"angular_velocity": [spin, 0.0, 0.0]},
+        "constraint": {"kind": "hinge", "axis": [1.0, 0.0, 0.0]},
+        "load": [{"kind": "gravity"}],
+        "run": {"duration": 20.0, "samples": 2001},
+    }
+    axes = simulate(Scene.from_dict(table)).plot("phase portrait").axes[0]
+    legend = axes.get_legend()
+    assert legend is not None
+    assert ("separatrix" in {text.get_text() for text in legend.get_texts()}) == seen
+    low, high = axes.get_ylim()
+    drawn = [np.asarray(each.get_ydata()) for each in axes.lines]
+    assert all(((each >= low) & (each <= high)).any() for each in drawn)
+
+
 def test_a_tippe_top_is_seen_to_turn_over() -> None:
     title = run_of("tippe_top").plot("nutation").axes[0].get_title()
     low, high = (float(word) for word in title.split("tilt ")[1].split(" rad")[0].split(" … "))

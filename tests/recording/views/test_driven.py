@@ -156,6 +156,48 @@ def test_a_pendulum_goes_round_its_axle_and_runs_through_its_phase_portrait(tmp_
     np.testing.assert_allclose(level, (slope * energy + offset)[:, None].repeat(2, 1), atol=1e-3)
 
 
+def swinging(spin: float, samples: int, **held: float) -> Run:
+    """Return a pendulum with m g l = 9.80665 J and 2 kg m² about its axle, that starts below."""
+    table = {
+        "body": {"principal_moments": [1.0, 2.0, 2.5], "mass": 1.0, "center_of_mass": [0.0, 0.0, -1.0]},
+        "start": {"angular_velocity": [spin, 0.0, 0.0]},
+        "constraint": {"kind": "hinge", "axis": [1.0, 0.0, 0.0], **held},
+        "load": [{"kind": "gravity"}],
+        "run": {"duration": 60.0, "samples": samples},
+    }
+    return simulate(Scene.from_dict(table))
+
+
+@pytest.mark.parametrize("samples", [2, 61, 6001])
+def test_the_curve_of_a_phase_portrait_does_not_depend_on_the_samples(samples: int, tmp_path: Path) -> None:
+    """½·2·θ̇² − m g l cosθ = ½·2·2² − m g l: one closed curve through θ̇ = ±2 rad/s and θ = ±0.937 rad."""
+    recording = written(screen(swinging(2.0, samples)), tmp_path / "run.rrd")
+    (curve,) = recording.values(f"/{entities.PHASE_PORTRAIT}/run", "LineStrips2D:strips")[0].astype(float)
+    labels = recording.texts(f"/{entities.PHASE_PORTRAIT}/numbers", "Points2D:labels")
+    point = recording.values(f"/{entities.PHASE_PORTRAIT}/point", "Points2D:positions")[:, 0].astype(float)
+    there = swinging(2.0, 2).at(recording.time(f"/{entities.PHASE_PORTRAIT}/point").clip(max=60.0))
+    theta, rate = there.quantities["angle"], there.angular_velocity[:, 0]
+    assert np.abs(point[:, None] - curve[None, ::7]).max(axis=2).min(axis=1).max() < 8.0  # of 400 either way
+    (across, left), (up, middle) = (
+        np.polyfit(drawn, values, 1) for drawn, values in zip(point.T, (theta, rate), strict=True)
+    )
+    theta, rate = across * curve[:, 0] + left, up * curve[:, 1] + middle
+    energy = rate**2 - 9.80665 * np.cos(theta)
+    np.testing.assert_allclose(energy, 4.0 - 9.80665, atol=1e-3)
+    assert np.abs(theta).max() == pytest.approx(np.arccos(1.0 - 4.0 / 9.80665), abs=1e-3)
+    assert np.abs(rate).max() == pytest.approx(2.0, abs=1e-3)
+    assert labels
+
+
+@pytest.mark.parametrize(("spin", "seen"), [(2.0, False), (4.2, True), (4.5, True), (12.0, False)])
+def test_a_separatrix_is_named_where_it_is_seen(spin: float, seen: bool, tmp_path: Path) -> None:
+    """It is at |θ̇| = 2 √(m g l/J) |cos ½θ|, 4.43 rad/s at most."""
+    recording = written(screen(swinging(spin, 301)), tmp_path / "run.rrd")
+    (text,) = recording.texts(f"/{entities.SUMMARY}", "TextDocument:text")
+    assert ("a separatrix" in text) == seen
+    assert (f"/{entities.PHASE_PORTRAIT}/separatrix" in recording.columns) == seen
+
+
 def test_the_forces_on_bearings_are_equal_and_opposite_arrows(tmp_path: Path) -> None:
     recording = written(screen(simulate(Scene.load(path("scenes/tilted_disc.toml")))), tmp_path / "run.rrd")
     first, second = (tips(recording, f"/{entities.AXLE}/{name}/force") for name in "AB")

@@ -1,13 +1,16 @@
 """Two runs over each other."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from tests.recording.reading import Recorded, verified
 
 from inertia import Rotor, Run, Scene, balance, record, simulate
+from inertia.dynamics.kinematics import quaternion
 from inertia.errors import UsageError
+from inertia.recording.playback import NEAR
 from inertia.recording.provenance import properties, scene_of
 from inertia_meshes import path
 
@@ -52,6 +55,27 @@ def test_both_bodies_turn_as_their_runs_do(tmp_path: Path) -> None:
         half = 0.5 * rate * time
         turned = np.stack([np.sin(half), np.cos(half)], axis=1)
         assert np.abs(np.abs((rotation[:, 2:] * turned).sum(axis=1)) - 1.0).max() < 1e-6
+
+
+def test_poses_are_near_where_the_bodies_turn_faster_than_at_their_samples(tmp_path: Path) -> None:
+    """A top that falls is fast at its lowest, and slow at its samples: both run for whole numbers of nutations."""
+    table: dict[str, Any] = {
+        "body": {"principal_moments": [1.0, 1.0, 0.5], "mass": 1.0, "center_of_mass": [0.0, 0.0, 1.0]},
+        "start": {"angular_velocity": [0.0, 0.0, 20.0], "attitude": [0.2, 0.0, 0.0, np.sqrt(1.0 - 0.04)]},
+        "constraint": {"kind": "fixed_point"},
+        "load": [{"kind": "gravity", "acceleration": [0.0, 0.0, -400.0]}],
+    }
+    period = float(simulate(Scene.from_dict(table | {"run": {"duration": 1.0}})).quantities["nutation period"])
+    runs = [
+        simulate(Scene.from_dict(table | {"run": {"duration": count * period, "samples": count + 1}}))
+        for count in (3, 5)
+    ]
+    file = tmp_path / "both.rrd"
+    record(runs[0], file, other=runs[1])
+    recorded = Recorded(file)
+    for name in ("first", "other"):
+        rotation = recorded.values(f"/world/{name}/body", "Transform3D:quaternion").reshape(-1, 4).astype(float)
+        assert quaternion.angle_between(rotation[:-1], rotation[1:]).max() <= 1.01 * NEAR + 1e-5
 
 
 def test_the_first_is_run_again_and_both_are_named(tmp_path: Path) -> None:

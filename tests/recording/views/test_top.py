@@ -33,6 +33,18 @@ def recording(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Recorded:
     return written(screen(run), tmp_path_factory.mktemp("top") / "run.rrd")
 
 
+def test_the_few_samples_of_a_top_do_not_show_in_its_phase_portrait(tmp_path: Path) -> None:
+    few = shortened("heavy_top", duration=1.0, samples=7)
+    recording = written(screen(few), tmp_path / "run.rrd")
+    point = recording.values(f"/{entities.PHASE_PORTRAIT}/point", "Points2D:positions")[:, 0]
+    curves = recording.values(f"/{entities.PHASE_PORTRAIT}/run", "LineStrips2D:strips")[0]
+    assert np.concatenate(list(curves)) == pytest.approx(point, abs=1e-4)
+    turning = few.at(recording.time(f"/{entities.PLOT_TILT}/events"))
+    assert recording.values(f"/{entities.PLOT_TILT}/events", "Scalars:scalars")[:, 0] == pytest.approx(
+        turning.quantities["theta"], abs=1e-12
+    )
+
+
 def test_it_applies_where_gravity_has_an_arm(run: Run) -> None:
     table = {"body": {"principal_moments": [1.0, 2.0, 3.0]}, "start": {"angular_velocity": [0, 0, 1]}}
     table["run"] = {"duration": 1.0, "samples": 11}

@@ -122,6 +122,35 @@ def test_flips_are_marked_where_the_spin_about_axis_2_is_zero(handle: Run, recor
     assert abs(recording.values(f"/{entities.PLOT_FLIPS}", "Scalars:scalars")).max() < 1e-2  # of 10 rad/s, on a line
 
 
+def test_flips_of_a_run_with_few_samples_are_marked_where_that_spin_is_zero(tmp_path: Path) -> None:
+    table = {
+        "body": {"principal_moments": [3.0, 4.0, 6.0]},
+        "start": {"angular_velocity": [0.1, 3.0, 0.0]},
+        "run": {"duration": 60.0, "samples": 8},
+    }
+    run = simulate(Scene.from_dict(table))
+    record(run, tmp_path / "run.rrd")
+    recording = Recorded(tmp_path / "run.rrd")
+    marks = recording.values(f"/{entities.PLOT_FLIPS}", "Scalars:scalars")
+    assert len(marks) == len(run.events) > 4
+    assert np.abs(marks).max() < 1e-12
+
+
+def test_on_the_separatrix_the_polhode_is_the_arc_that_the_body_covers(tmp_path: Path) -> None:
+    table = {
+        "body": {"principal_moments": [3.0, 4.0, 6.0]},
+        "start": {"angular_velocity": [2.0, 3.0, 1.0]},
+        "run": {"duration": 20.0, "samples": 101},
+    }
+    record(simulate(Scene.from_dict(table)), tmp_path / "run.rrd")
+    recording = Recorded(tmp_path / "run.rrd")
+    (arc,) = recording.values(f"/{entities.POLHODE}", "LineStrips3D:strips")[0].astype(float)
+    seen = recording.values(f"/{entities.CURRENT}", "Arrows3D:vectors")[:, 0].astype(float)
+    assert np.abs(arc[[0, -1]]) == pytest.approx(np.array([[0.0, 1.0, 0.0]] * 2), abs=1e-6)
+    assert (arc[1:-1, [0, 2]] > 0).all()
+    assert np.abs(seen[:, None] - arc).max(axis=2).min(axis=1).max() < 5e-3
+
+
 def test_the_legend_has_room_beside_the_curves(recording: Recorded) -> None:
     """Six seconds of curves, and room to 8.1 s."""
     ranges = recording.property("TimeAxis:view_range")

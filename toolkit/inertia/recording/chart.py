@@ -78,8 +78,8 @@ class Chart:
         curves: Sequence[tuple[ArrayLike, ArrayLike]],
         color: Color,
         radius: float = 0.5,
-    ) -> None:
-        """Write curves (x, y) that stay; what is outside the box, or NaN, is left out."""
+    ) -> bool:
+        """Write curves (x, y) that stay, without what is outside the box, or NaN; return whether something is left."""
         import rerun as rr
 
         pieces = []
@@ -89,7 +89,9 @@ class Chart:
             inside = np.flatnonzero(shown.all(axis=1))
             runs = np.split(points[inside], np.flatnonzero(np.diff(inside) > 1) + 1)
             pieces += [run for run in runs if len(run) > 1]
-        recording.static(f"{self.path}/{name}", rr.LineStrips2D(pieces, colors=[color], radii=[radius]))
+        if pieces:
+            recording.static(f"{self.path}/{name}", rr.LineStrips2D(pieces, colors=[color], radii=[radius]))
+        return bool(pieces)
 
     def write_moving(self, recording: Recording, name: str, time: Float, x: Float, y: Float, color: Color) -> None:
         """Write a point that moves, x and y (m,)."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -26,6 +26,8 @@ NEAR = 0.05
 """Radians that a body turns from one pose to the next, at most."""
 MOST = 20_000
 """Poses that may be drawn so near to each other: a loop is as long as they last."""
+TRIES = 3
+"""How often poses are taken anew where they are farther apart than samples had it."""
 SHORTEST, LONGEST = 4.0, 3600.0
 """Seconds that a playback lasts."""
 
@@ -37,6 +39,7 @@ _PREFIXES = {-3: "ms", -6: "µs", -9: "ns", -12: "ps", -15: "fs"}
 _SLENDER = 0.05  # of the middle moment: a body with less about its long axis is a needle
 _SINGLE = 2.0**-23  # rad: twice the length of what rounding to float32 adds to a quaternion
 _FLASHES = 12.0  # at most, of a stroboscope
+_SLACK = 1.01  # times `NEAR`, up to which poses are near each other
 _JOINED = 1.0  # rad between two poses, beyond which no line is drawn from one to the next
 
 
@@ -217,37 +220,50 @@ def frames_of(run: Run) -> Frames:
 
     A needle that spins about itself looks the same: its turn is that of its long axis.
     """
+    return frames_followed(run, _fastest)
+
+
+def _fastest(run: Run) -> float:
+    """Return the fastest turn that is to be seen, rad/s."""
     omega = run.angular_velocity
     if not run.scene.body.deforms:
         order = np.argsort(run.plan.moments)
         thinnest, middle = run.plan.moments[order[:2]].tolist()
         across = omega @ np.delete(run.plan.axes, order[0], axis=1)
         if thinnest < _SLENDER * middle and (across.any() or not omega.any()):
-            return frames_followed(run, largest(across))
-    return frames_followed(run, largest(omega))
+            return largest(across)
+    return largest(omega)
 
 
-def frames_followed(run: Run, rate: float) -> Frames:
-    """Choose a speed at which `rate` (rad/s) can be followed, and take a run's poses for that.
+def frames_followed(run: Run, fastest: Callable[[Run], float]) -> Frames:
+    """Choose a speed at which a run can be followed, and take its poses for that; `fastest` returns the rate in rad/s
+    of what moves, at the samples of a run.
 
-    What is no sample is evaluated by the model (`Run.at`). A run that cannot be followed again is shown at its samples.
+    What is no sample is evaluated by the model (`Run.at`). Where poses turn out to be farther apart than `NEAR`, the
+    body turns faster between its samples than at them: they are chosen anew. A run that cannot be followed again is
+    shown at its samples.
     """
-    play = playback(run.time, rate, np.linalg.norm(run.angular_velocity, axis=1))
-    rows = np.minimum(np.searchsorted(run.time, play.frames), len(run.time) - 1)
-    error = run.error.reached
-    if not np.array_equal(run.time[rows], play.frames):
-        try:
-            run, rows = run.at(play.frames), np.arange(len(play.frames))
-        except InertiaError:
-            rows = np.arange(len(run.time))
-            turned = _largest_turn(run.attitude)
-            play = replace(
-                play,
-                frames=run.time,
-                near=len(rows) if turned < _JOINED else 0,
-                notes=(*play.notes, "the run could not be followed between its samples: only these are shown"),
-            )
-        error = max(error, run.error.reached)
+    rate, turning = fastest(run), np.linalg.norm(run.angular_velocity, axis=1)
+    play, shown, rows = playback(run.time, rate, turning), run, np.arange(len(run.time))
+    try:
+        shown, rows = _posed(run, play.frames)
+        for _ in range(TRIES):
+            poses = shown.time[rows], shown.attitude[rows], shown.angular_velocity[rows]
+            if (faster := nearer(run.time, turning, play.near, poses)) is None:
+                break
+            rate, turning = max(rate, fastest(shown)), faster
+            play = playback(run.time, rate, turning)
+            shown, rows = _posed(run, play.frames)
+    except InertiaError:
+        shown, rows = run, np.arange(len(run.time))
+        turned = _largest_turn(run.attitude)
+        play = replace(
+            play,
+            frames=run.time,
+            near=len(rows) if turned < _JOINED else 0,
+            notes=(*play.notes, "the run could not be followed between its samples: only these are shown"),
+        )
+    error, run = max(run.error.reached, shown.error.reached), shown
     attitude = run.attitude[rows]
     of_loop = f"of the first {play.near} " if 0 < play.near < len(rows) else ""
     note = (
@@ -265,6 +281,33 @@ def frames_followed(run: Run, rate: float) -> Frames:
         series={name: values[rows] for name, values in run.series.items()},
         note=note,
     )
+
+
+def _posed(run: Run, instants: Float) -> tuple[Run, Int]:
+    """Return a run that has samples at instants (m,) s, and their rows (m,): the run itself where it has them."""
+    rows = np.minimum(np.searchsorted(run.time, instants), len(run.time) - 1)
+    if np.array_equal(run.time[rows], instants):
+        return run, rows
+    return run.at(instants), np.arange(len(instants))
+
+
+def nearer(time: Float, turning: Float, near: int, *poses: tuple[Float, Float, Float]) -> Float | None:
+    """Return rates (n,) rad/s at samples `time` (n,) s that give `playback` nearer poses; None where all are near.
+
+    Parameters
+    ----------
+    turning : (n,) rad/s, those for which the poses were taken
+    near : how many of them are to be near each other
+    poses : of each body, instants (m,) s, attitudes (m, 4) and ω (m, 3) rad/s there
+    """
+    if all(_largest_turn(attitude[:near]) <= _SLACK * NEAR for _, attitude, _ in poses):
+        return None
+    faster = turning.copy()
+    for instants, _, omega in poses:
+        before = np.clip(np.searchsorted(time, instants, side="right") - 1, 0, len(time) - 2)
+        for sample in (before, before + 1):
+            np.maximum.at(faster, sample, np.linalg.norm(omega, axis=1))
+    return faster
 
 
 def _largest_turn(attitude: Float) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.euler_angles import to_angles
 from inertia.dynamics.run import Invariant, Run
+from inertia.errors import InertiaError
 from inertia.recording import entities
 from inertia.recording.drawing import COLORS
 from inertia.recording.summary import figure, symbol
@@ -58,14 +60,18 @@ def write_euler_angles(recording: Recording, run: Run) -> None:
     )
 
 
-def write_events(recording: Recording, path: str, run: Run, name: str, values: Float) -> None:
-    """Mark the events of a name on a plot: `values` (n,) at the samples are those of the series that they lie on."""
+def write_events(recording: Recording, path: str, run: Run, name: str, values: Callable[[Run], Float]) -> None:
+    """Mark the events of a name on a plot, where the model has the series that they lie on, which is not on the line
+    through samples that are far apart; `values` takes a run to the series (n,) at its samples."""
     import rerun as rr
 
     time = np.array([event.time for event in run.events if event.name == name])
     if not len(time):
         return
-    marks = np.interp(time, run.time, values)
+    try:
+        marks = values(run.at(time))
+    except InertiaError:  # a run that cannot be followed again
+        marks = np.interp(time, run.time, values(run))
     look = rr.SeriesPoints(names=[name], colors=[_EVENT], markers=["diamond"], marker_sizes=[4.0])
     recording.static(f"{path}/events", look)
     recording.columns(f"{path}/events", time, lambda rows: rr.Scalars.columns(scalars=marks[rows]))

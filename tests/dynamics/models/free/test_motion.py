@@ -359,6 +359,28 @@ def test_motion_too_close_to_the_separatrix_for_its_inputs_warns() -> None:
 
 
 @pytest.mark.parametrize(
+    ("moments", "spin", "end", "unstable"),
+    [
+        ((1.0, 2.0, 3.0), (0.0, 1.0, 0.0), 60.0, True),
+        ((3.0, 1.0, 2.0), (1e-300, 0.0, -1.0), -60.0, True),
+        ((1.0, 2.0, 3.0), (0.0, 1.0, 0.0), 1.5, False),  # too short for a disturbance to grow
+        ((1.0, 2.0, 3.0), (0.0, 0.0, 1.0), 60.0, False),
+        ((1.0, 2.0, 3.0), (1.0, 0.0, 0.0), 60.0, False),
+        ((2.0, 2.0, 3.0), (0.0, 1.0, 0.0), 60.0, False),
+        ((2.0, 2.0, 2.0), (1.0, 2.0, 1.0), 60.0, False),
+        ((1.0, 2.0, 3.0), (0.0, 0.0, 0.0), 60.0, False),
+    ],
+)
+def test_a_steady_spin_about_the_intermediate_axis_is_said_to_be_unstable(
+    moments: tuple[float, ...], spin: tuple[float, ...], end: float, unstable: bool
+) -> None:
+    """Linearised, a wobble grows at ω √((I2 − I1)(I3 − I2)/(I1 I3)) = 1/√3 per second: by e in 1.73 s."""
+    warnings = solve_free(moments, spin, [0.0, end]).warnings
+    assert len(warnings) == unstable
+    assert all("unstable" in says and "grows by a factor e in 1.73 s" in says for says in warnings)
+
+
+@pytest.mark.parametrize(
     ("equal", "moments", "spin"),
     [
         (2, (1.0, 1.0 + 1e-9, 1.8), (0.3, 0.1, 1.0)),

@@ -67,6 +67,13 @@ def angle_of(figures: dict, rate: float, time: float, digits: int = 30) -> mpmat
         (-9.0, [GRAVITY], {"tilt": 0.7, "samples": 2}, "elliptic"),
         (20.0, [GRAVITY], {"tilt": -3.1, "samples": 3}, "elliptic"),
         (4.0, [GRAVITY, {"kind": "damping", "coefficient": 0.1}], {"stiffness": 1.0, "rest_angle": 1.0}, "Taylor"),
+        (4.0, [GRAVITY, {"kind": "damping", "coefficient": 150.0}], {"tilt": 0.7, "samples": 5}, "Radau"),
+        (
+            -900.0,
+            [GRAVITY, {"kind": "damping", "coefficient": 200.0}, {"kind": "torque", "torque": [300.0, 0, 0]}],
+            {"tilt": 3.1, "stiffness": 0.5},
+            "Radau",
+        ),
     ],
 )
 def test_the_angle_is_right_to_the_accuracy_that_is_stated(spin: float, load: list, held: dict, method: str) -> None:
@@ -279,3 +286,26 @@ def test_a_torque_nearly_across_the_axle_counts_as_it_is() -> None:
         angle = mpmath.sqrt(2) * mpmath.mpf(along.numerator) / along.denominator * 5 * 10**5 / moment
         off = float(abs(angle - run.quantities["angle"][-1]))
     assert off <= run.error.reached < 1e-13
+
+
+def test_an_axle_in_oil_relaxes_in_no_time() -> None:
+    """With I θ̈ negligible, c φ̇ = −m g r sin φ: tan ½φ falls as exp(−m g r t/c), but for parts of m g r I/c² = 2e-7."""
+    body = {"principal_moments": [1e-6, 1e-6, 1e-7], "mass": 0.01, "center_of_mass": [0, 0, -0.01]}
+    tilt, damping, weight = 2.0 * np.arctan2(0.6, 0.8), 0.1, 0.01 * 9.80665 * 0.01
+    load = [GRAVITY, {"kind": "damping", "coefficient": damping}]
+    run = hinged(body, [1.0, 0, 0], 20.0, load, tilt=tilt)
+    begun = tilt + 2e-6 / damping  # what the spin comes to is I ω/c
+    expected = 2.0 * np.arctan(np.tan(0.5 * begun) * np.exp(-weight / damping * run.time))
+    np.testing.assert_allclose(run.quantities["angle"][1:] + tilt, expected[1:], atol=1e-6)
+    np.testing.assert_allclose(run.angular_velocity[1:, 0], -weight / damping * np.sin(expected[1:]), rtol=1e-5)
+    assert run.error.reached < 1e-13
+
+
+@pytest.mark.parametrize("damping", [1e3, 1e9, 1e15])
+def test_what_is_stiffer_takes_no_longer_and_keeps_its_digits(damping: float) -> None:
+    """A motor that turns an axle with a weight, for as long as N/c takes to turn it round: the limit is c θ̇ = N + …"""
+    load = [GRAVITY, {"kind": "damping", "coefficient": damping}, {"kind": "torque", "torque": [10.0, 0, 0]}]
+    end = 2.0 * np.pi * damping / np.sqrt(10.0**2 - (0.5 * 9.80665) ** 2)
+    run = hinged(BAR, [0.0, 0, 0], end, load, samples=11)
+    assert run.quantities["angle"][-1] == pytest.approx(2.0 * np.pi, abs=1e2 / damping**2 + 1e-12)
+    assert run.error.reached < 1e-11

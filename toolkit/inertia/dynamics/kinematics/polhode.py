@@ -87,6 +87,27 @@ def polhode(moments: ArrayLike, angular_velocity: ArrayLike, samples: int = 361)
     return Polhode(curve.order[2], np.stack([branch, other]))
 
 
+def covered(moments: ArrayLike, angular_velocity: ArrayLike, samples: int = 361) -> Float:
+    """Return ω (n, 3) in rad/s along what of its polhode a body passes through, in the sense of the motion.
+
+    All of it, from the given ω on; on the separatrix the arc from one end of the intermediate axis to the other, which
+    takes for ever; of a steady spin one point.
+
+    Parameters, errors: as in `polhode`.
+
+    >>> covered([3, 4, 6], [2, 3, 1], samples=3).round(4).tolist()
+    [[0.0, -3.6742, 0.0], [3.4641, 0.0, 1.7321], [0.0, 3.6742, 0.0]]
+    """
+    curve = _Curve(moments, angular_velocity)
+    if curve.c:
+        return curve.at(curve.phases(samples))
+    p, _, r = curve.order
+    if not curve.omega[r]:
+        return np.tile(curve.omega, (samples, 1))
+    middle = 0.0 if curve.omega[p] > 0 else np.pi
+    return curve.at(middle + curve.sense * np.linspace(-0.5 * np.pi, 0.5 * np.pi, samples))
+
+
 def separatrix(moments: ArrayLike, angular_momentum: float, samples: int = 361) -> Float:
     """Return the two closed curves (2, n, 3) of ω in rad/s that part polhodes about the axes of least and most moment.
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.kinematics.polhode import polhode, polhode_family, separatrix
+from inertia.dynamics.kinematics.polhode import covered, polhode_family, separatrix
 from inertia.dynamics.plots.projection import FAINT, INK, Projection
 from inertia.dynamics.plots.subject import Subject, numbered
 from inertia.dynamics.plots.swing import Swing, Window, heavy_top_of, swing_of
@@ -146,7 +146,7 @@ def _polhode(axes: Axes, run: Subject) -> None:
             label = None if k else "separatrix"
             seen.draw(axes, curve, label, color=PLUM, linewidth=1.2)
     if np.ptp(moments):
-        seen.draw(axes, polhode(moments, omega, _SAMPLES).branches[0], "polhode", color=VERMILLION, linewidth=2.6)
+        seen.draw(axes, covered(moments, omega, _SAMPLES), "polhode", color=VERMILLION, linewidth=2.6)
     axes.plot(*seen.at(omega), "o", color=INK, markersize=7, zorder=9, label=f"ω {_when(run, 0)}")
     ends = [f"{'−' if seen.toward[k] < 0 else ''}{size:.3g}" for k, size in enumerate(seen.semi_axes)]
     seen.draw_axes(axes, [f"ω{_SUBSCRIPTS[k]} = {end} rad/s" for k, end in enumerate(ends)])
@@ -172,7 +172,7 @@ def _momentum_sphere(axes: Axes, run: Subject) -> None:
         if curved:
             for curve in polhode_family(moments, _SAMPLES):
                 seen.draw(axes, curve, color=FAINT, linewidth=0.8)
-        curve = moments * polhode(moments, run.angular_velocity[0] @ along, _SAMPLES).branches[0] / size[0]
+        curve = moments * covered(moments, run.angular_velocity[0] @ along, _SAMPLES) / size[0]
         seen.draw(axes, curve, "path of L", color=VERMILLION, linewidth=2.6)
     elif not free:
         way = _in_pieces(path)
@@ -325,13 +325,13 @@ def _draw_levels(axes: Axes, swing: Swing, window: Window) -> None:
     curves = [(energy, FAINT, 0.8, 1, "equal energy") for energy in swing.levels(window).tolist()]
     if swing.barrier is not None:
         curves.append((swing.barrier, PLUM, 1.3, 2, "separatrix"))
-    for k, (energy, color, width, order, label) in enumerate(curves):
-        rates = swing.rates(energy, angles)
-        if not (rates < max(-window.low, window.high)).any():
-            continue
-        for sign in (1.0, -1.0):
-            shown = label if sign > 0 and (k == 0 or label == "separatrix") else None
-            axes.plot(angles, sign * rates, color=color, linewidth=width, zorder=order, label=shown)
+    named: set[str] = set()
+    for energy, color, width, order, label in curves:
+        for rates in (each * swing.rates(energy, angles) for each in (1.0, -1.0)):
+            if window.shows(rates):
+                shown = None if label in named else label
+                axes.plot(angles, rates, color=color, linewidth=width, zorder=order, label=shown)
+                named.add(label)
 
 
 def _swings(run: Subject) -> bool:

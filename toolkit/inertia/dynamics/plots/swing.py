@@ -25,29 +25,25 @@ class Swing:
 
     Attributes
     ----------
-    angle, rate : (n,) rad and rad/s, θ and θ̇ at the samples
     inertia : kg m², J
     potential : returns V (m,) in J at angles (m,) in rad
     rate_of : returns θ̇ (m,) of ω (m, 3) rad/s in space, at attitudes (m, 4) and angles (m,)
     barrier : J, greatest V of all angles, where a body that has more goes round; None where there is none
     """
 
-    angle: Float
-    rate: Float
     inertia: float
     potential: Callable[[Float], Float]
     rate_of: Callable[[Float, Float, Float], Float]
     barrier: float | None = None
 
-    @property
-    def energy(self) -> Float:
-        """½ J θ̇² + V(θ) (n,) J at the samples."""
-        return np.asarray(0.5 * self.inertia * self.rate**2 + self.potential(self.angle))
+    def energy(self, angle: Float, rate: Float) -> Float:
+        """Return ½ J θ̇² + V(θ) (m,) J of angles (m,) rad and rates (m,) rad/s."""
+        return np.asarray(0.5 * self.inertia * rate**2 + self.potential(angle))
 
     def rates(self, energy: float, angles: Float) -> Float:
         """Return θ̇ ≥ 0 (m,) that a body of this energy has at angles (m,), NaN beyond those where it turns.
 
-        >>> swing = Swing(np.zeros(2), np.zeros(2), 2.0, np.square, lambda omega, attitude, angle: angle)
+        >>> swing = Swing(2.0, np.square, lambda omega, attitude, angle: angle)
         >>> swing.rates(4.0, np.array([-3.0, -2.0, 0.0, 2.0, 3.0])).tolist()
         [nan, 0.0, 2.0, 0.0, nan]
         """
@@ -75,6 +71,10 @@ class Window:
     right: float
     low: float
     high: float
+
+    def shows(self, rates: Float) -> bool:
+        """Say whether a curve of rates (m,), NaN where there is none, at angles within the window comes into it."""
+        return bool(((rates >= self.low) & (rates <= self.high)).any())
 
     @classmethod
     def around(cls, angle: Float, rate: Float) -> Window:
@@ -109,7 +109,7 @@ def heavy_top_of(run: Subject) -> HeavyTop:
 
 def _of_top(run: Subject) -> Swing:
     """θ̇ = −(ω × a)·u / sinθ, with the axis a and the vertical u."""
-    top, tilt = heavy_top_of(run), run.quantities["theta"]
+    top = heavy_top_of(run)
     gravity = run.plan.problem.scene.gravity
     down, along = gravity / np.linalg.norm(gravity), run.plan.axes[:, 2]
 
@@ -118,8 +118,7 @@ def _of_top(run: Subject) -> Swing:
         sine = np.sin(angle)
         return np.asarray(np.divide(falling, sine, out=np.zeros_like(sine), where=sine > _UPRIGHT))
 
-    rate = rate_of(quaternion.to_space(run.attitude, run.angular_velocity), run.attitude, tilt)
-    return Swing(tilt, rate, top.I1, top.effective_potential, rate_of)
+    return Swing(top.I1, top.effective_potential, rate_of)
 
 
 def _on_axle(run: Subject) -> Swing:
@@ -136,6 +135,5 @@ def _on_axle(run: Subject) -> Swing:
 
     hills = potential(np.linspace(-np.pi, np.pi, 1441))
     barrier = float(hills.max()) if not held.stiffness and np.ptp(hills) > 0 else None
-    angle, rate = run.quantities["angle"], run.angular_velocity @ run.plan.problem.axle
     inertia = float(axis @ (candidate.moments * axis))
-    return Swing(angle, rate, inertia, potential, lambda omega, *_: np.asarray(omega @ around), barrier)
+    return Swing(inertia, potential, lambda omega, *_: np.asarray(omega @ around), barrier)

@@ -255,8 +255,14 @@ def _weight(run: Run) -> Float:
     return mass * run.scene.gravity
 
 
+def _contact_force(run: Run) -> Float:
+    """Return the force of the plane (n, 3) N: two components along it, and the normal one."""
+    force: Float = run.quantities["contact force"] @ basis(run.scene.constraint.plane)
+    return force
+
+
 def _write_plots(recording: Recording, run: Run) -> None:
-    force, weight = run.quantities["contact force"] @ basis(run.scene.constraint.plane), np.linalg.norm(_weight(run))
+    force, weight = _contact_force(run), np.linalg.norm(_weight(run))
     recording.scalars(
         entities.PLOT_FORCE,
         run.time,
@@ -266,7 +272,7 @@ def _write_plots(recording: Recording, run: Run) -> None:
         ["normal, N", "friction, N", "weight, N"],
         [FORCE, COLORS[3], WEIGHT],
     )
-    write_events(recording, entities.PLOT_FORCE, run, "lift-off", force[:, 2])
+    write_events(recording, entities.PLOT_FORCE, run, "lift-off", lambda there: _contact_force(there)[:, 2])
     tilt = run.quantities["theta"]
     recording.scalars(entities.PLOT_TILT, run.time, lambda rows: tilt[rows, None], ["θ, rad"], COLORS[1:2])
     if _slides(run):

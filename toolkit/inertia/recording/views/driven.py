@@ -63,13 +63,13 @@ _TRAIL = 8.0  # seconds of playback that the trail of L lasts
 def screen(run: Run) -> Screen:
     """Return the recording of a body that is driven."""
     body, frames = display_of(run.scene.body), frames_of(run)
-    portrait = phase_portrait(run)
+    portrait = phase_portrait(run, frames)
 
     def write(recording: Recording) -> None:
         notes = [*frames.play.notes, *body.notes, f"in the inertial view 1 unit is {body.unit:g} m"]
         notes += _write_world(recording, run, body, frames)
         if portrait is not None:
-            notes.append(portrait.write(recording, frames, run))
+            notes.append(portrait.write(recording, frames))
         else:
             notes.append(write_moving_momentum_space(recording, run, frames))
         _write_momentum(recording, run)

@@ -10,7 +10,8 @@ import numpy as np
 from inertia import palette
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.kinematics.polhode import polhode, polhode_family, separatrix
+from inertia.dynamics.kinematics.polhode import covered, polhode, polhode_family, separatrix
+from inertia.dynamics.kinematics.stability import separatrix_distance
 from inertia.dynamics.plots.subject import numbered
 from inertia.dynamics.run import Run
 from inertia.recording import entities
@@ -54,8 +55,10 @@ def write_momentum_space(recording: Recording, run: Run, frames: Frames) -> str:
     if np.ptp(moments) == 0:
         return "every axis is a principal one: sphere and ellipsoid are one, and L stands still in the body"
     omega = run.angular_velocity[0] @ axes
-    curves = moments * polhode(moments, omega, _SAMPLES).branches / unit
-    write_lines(recording, entities.POLHODE, list(curves), POLHODE, 1.5 * _LINE)
+    curves = polhode(moments, omega, _SAMPLES).branches
+    if not separatrix_distance(moments, omega):  # on which the body does not come to the other arcs
+        curves = covered(moments, omega, _SAMPLES)[None]
+    write_lines(recording, entities.POLHODE, list(moments * curves / unit), POLHODE, 1.5 * _LINE)
     note = "L moves along the polhode (yellow), where the momentum sphere (blue) meets the energy ellipsoid (red)"
     if not _all_differ(moments):
         return note

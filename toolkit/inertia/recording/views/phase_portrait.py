@@ -35,10 +35,19 @@ _SWINGS = 1e-9  # of the spin: a rate that changes by less is that of no swing
 
 @dataclass(frozen=True, eq=False)
 class PhasePortrait:
-    """A swing, and the charts of its potential and of its rate."""
+    """A swing, and the charts of its potential and of its rate.
+
+    Attributes
+    ----------
+    angle, rate : (m,) rad and rad/s, θ and θ̇ at the poses that are drawn
+    conserved : whether the energy is
+    """
 
     swing: Swing
     is_top: bool
+    conserved: bool
+    angle: Float
+    rate: Float
     potential: Chart
     plane: Chart
 
@@ -47,59 +56,59 @@ class PhasePortrait:
         """The view of both charts."""
         return chart_view("Potential and phase portrait", [self.potential, self.plane])
 
-    def write(self, recording: Recording, frames: Frames, run: Run) -> str:
+    def write(self, recording: Recording, frames: Frames) -> str:
         """Write the charts with a point that moves as the run does at `frames`; return what they show."""
-        swing, potential, plane = self.swing, self.potential, self.plane
+        swing, potential, plane, angle, rate = self.swing, self.potential, self.plane, self.angle, self.rate
         potential.write_axes(recording, "", "V, J")
         plane.write_axes(recording, "θ, rad", "θ rate, rad/s")
         theta = np.linspace(potential.left, potential.right, _POINTS)
-        energy = swing.energy
+        energy = swing.energy(angle, rate)
         ends = [potential.left, potential.right]
         potential.write_curves(recording, "potential", [(theta, swing.potential(theta))], MOMENTUM)
-        conserved = "energy" in run.invariants
-        if conserved:
+        if self.conserved:
             potential.write_curves(recording, "energy", [(ends, [energy[0], energy[0]])], OMEGA)
         window = Window(plane.left, plane.right, plane.low, plane.high)
+        beside = ""
         if np.ptp(swing.potential(theta)):
-            self._write_levels(recording, "levels", swing.levels(window).tolist(), theta, LEVEL)
-            if swing.barrier is not None:
-                self._write_levels(recording, "separatrix", [swing.barrier], theta, SEPARATRIX)
-        path = thinned(np.stack([swing.angle, swing.rate], axis=1))
-        plane.write_curves(recording, "run", [(path[:, 0], path[:, 1])], TRAIL)
-        angle = frames.series["theta" if self.is_top else "angle"]
-        rate = swing.rate_of(frames.angular_velocity, frames.attitude, angle)
+            if self._write_levels(recording, "levels", swing.levels(window).tolist(), theta, LEVEL):
+                beside = "; grey are others of equal energy"
+            if swing.barrier is not None and self._write_levels(
+                recording, "separatrix", [swing.barrier], theta, SEPARATRIX
+            ):
+                beside += ", a separatrix (pink)" if beside else "; pink is a separatrix"
+        path = thinned(np.stack([angle, rate], axis=1)[frames.near])
+        where = "on the phase portrait"
+        if plane.write_curves(recording, "run", [(path[:, 0], path[:, 1])], TRAIL):
+            where = "along the yellow curve of the phase portrait"
         potential.write_moving(recording, "point", frames.time, angle, swing.potential(angle), POINT)
         plane.write_moving(recording, "point", frames.time, angle, rate, POINT)
         below = "below the energy less that of the spin (orange)" if self.is_top else "below its energy"
-        if not conserved:
-            level = 0.5 * swing.inertia * rate**2 + swing.potential(angle)
-            potential.write_level(recording, "energy", frames.time, level, OMEGA)
+        if not self.conserved:
+            potential.write_level(recording, "energy", frames.time, energy, OMEGA)
             below += " (orange), which falls"
         elif not self.is_top:
             below += " (orange)"
-        beside = ", a separatrix (pink)" if swing.barrier is not None else ""
         what = "effective potential" if self.is_top else "potential energy"
-        return (
-            f"the point runs along the {what} V (blue), {below}, and along the yellow curve of the phase portrait; "
-            f"grey are others of equal energy{beside}"
-        )
+        return f"the point runs along the {what} V (blue), {below}, and {where}{beside}"
 
-    def _write_levels(self, recording: Recording, name: str, energies: list[float], theta: Float, color: Color) -> None:
+    def _write_levels(self, recording: Recording, name: str, energies: list[float], theta: Float, color: Color) -> bool:
         curves = [(theta, sign * self.swing.rates(energy, theta)) for energy in energies for sign in (1.0, -1.0)]
-        self.plane.write_curves(recording, name, curves, color, 0.3)
+        return self.plane.write_curves(recording, name, curves, color, 0.3)
 
 
-def phase_portrait(run: Run) -> PhasePortrait | None:
-    """Return the phase portrait of a run that has one: of a body that swings on an axle, and of a heavy top."""
+def phase_portrait(run: Run, frames: Frames) -> PhasePortrait | None:
+    """Return the phase portrait of a run that has one, a body that swings on an axle or a heavy top, at its poses."""
     swing, is_top = swing_of(run), "angle" not in run.quantities
     if swing is None:
         return None
-    if not is_top and np.ptp(swing.rate) <= _SWINGS * np.abs(swing.rate).max():
+    angle = frames.series["theta" if is_top else "angle"]
+    rate = swing.rate_of(frames.angular_velocity, frames.attitude, angle)
+    if not is_top and np.ptp(rate) <= _SWINGS * np.abs(rate).max():
         return None
-    window = Window.around(swing.angle, swing.rate)
-    left, right, level = window.left, window.right, float(swing.energy.max())
+    window = Window.around(angle, rate)
+    left, right, level = window.left, window.right, float(swing.energy(angle, rate).max())
     if is_top:
-        first, last = float(swing.angle.min()), float(swing.angle.max())
+        first, last = float(angle.min()), float(angle.max())
         turning = run.quantities.get("turning theta", [first, last])
         first, last = float(turning[0]), float(turning[1])
         beside = _BESIDE * (last - first) or _STILL
@@ -111,6 +120,9 @@ def phase_portrait(run: Run) -> PhasePortrait | None:
     return PhasePortrait(
         swing,
         is_top,
+        "energy" in run.invariants,
+        angle,
+        rate,
         Chart(EFFECTIVE_POTENTIAL, left, right, low - 0.15 * depth, level + _HEADROOM * depth, 0.0, height),
         Chart(PHASE_PORTRAIT, left, right, window.low, window.high, height + _APART, height),
     )

@@ -12,7 +12,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.kinematics.polhode import polhode
+from inertia.dynamics.kinematics.polhode import covered
 from inertia.dynamics.plots.subject import numbered
 from inertia.dynamics.run import Run
 from inertia.recording import entities
@@ -73,7 +73,7 @@ def write_poinsot(recording: Recording, run: Run, frames: Frames, scale: float, 
             fill_mode=rr.components.FillMode.TransparentFillMajorWireframe,
         ),
     )
-    curve = scale * polhode(moments, run.angular_velocity[0] @ axes, _SAMPLES).branches[0] @ axes.T
+    curve = scale * covered(moments, run.angular_velocity[0] @ axes, _SAMPLES) @ axes.T
     write_lines(recording, f"{entities.INERTIA_ELLIPSOID}/polhode", [curve], TRAIL, 0.5 * thick)
     plane = basis(down)
     corners = height * down + reach * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) @ plane.T

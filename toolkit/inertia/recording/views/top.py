@@ -84,8 +84,8 @@ def screen(run: Run) -> Screen:
     """Return the recording of a heavy top."""
     body, axis = display_of(run.scene.body), _axis(run)
     frames = _frames(run, axis)
-    tilts = axis.angles(run.attitude)[:, 1]
-    portrait = phase_portrait(run)
+    tilts = axis.angles(frames.attitude)[:, 1]
+    portrait = phase_portrait(run, frames)
 
     def write(recording: Recording) -> None:
         notes = [
@@ -99,7 +99,7 @@ def screen(run: Run) -> Screen:
         write_drift(recording, run)
         if portrait is not None:
             notes.append(_write_spin(recording, run))
-            notes.append(portrait.write(recording, frames, run))
+            notes.append(portrait.write(recording, frames))
         write_text(recording, summary(run, [*notes, frames.note]))
 
     blueprint = _blueprint(run, frames, _sphere(body, axis), axis, tilts, portrait)
@@ -177,9 +177,13 @@ def _axis(run: Run) -> Axis:
 def _frames(run: Run, axis: Axis) -> Frames:
     """Resample a run at the speed at which its axis can be followed, which may be much slower than its spin."""
     along = axis.axes[:, 2]
-    omega = run.angular_velocity - np.outer(run.angular_velocity @ along, along)
-    period = float(run.quantities.get("nutation period", np.inf))
-    return frames_followed(run, max(largest(omega), 2.0 * np.pi / period))
+    slowest = 2.0 * np.pi / float(run.quantities.get("nutation period", np.inf))
+
+    def fastest(there: Run) -> float:
+        omega = there.angular_velocity
+        return max(largest(omega - np.outer(omega @ along, along)), slowest)
+
+    return frames_followed(run, fastest)
 
 
 def _sphere(body: Display, axis: Axis) -> float:
@@ -287,6 +291,6 @@ def _write_angles(recording: Recording, run: Run, axis: Axis) -> None:
     rate = np.divide(omega @ up - along * np.cos(tilt), square, out=np.zeros_like(square), where=square > _UPRIGHT)
     recording.scalars(entities.PLOT_PRECESSION, run.time, lambda rows: rate[rows, None], ["φ rate, rad/s"], COLORS[:1])
     recording.scalars(entities.PLOT_TILT, run.time, lambda rows: angles[rows, 1:2], ["θ, rad"], COLORS[1:2])
-    write_events(recording, entities.PLOT_TILT, run, "turning point", angles[:, 1])
+    write_events(recording, entities.PLOT_TILT, run, "turning point", lambda there: axis.angles(there.attitude)[:, 1])
     names, colors = ["φ, rad", "ψ, rad"], [COLORS[0], COLORS[2]]
     recording.scalars(entities.PLOT_EULER_ANGLES, run.time, lambda rows: angles[rows, ::2], names, colors)

@@ -91,7 +91,9 @@ def screen(run: Run) -> Screen:
             notes.append(write_dial(recording, run, frames))
         write_angular_velocity(recording, run, numbered(run.plan)[1])
         _, middle = _intermediate(run)
-        write_events(recording, entities.PLOT_ANGULAR_VELOCITY, run, "flip", run.angular_velocity @ middle)
+        write_events(
+            recording, entities.PLOT_ANGULAR_VELOCITY, run, "flip", lambda there: there.angular_velocity @ middle
+        )
         if run.angular_momentum[0].any():
             write_angles_from_momentum(recording, run, numbered(run.plan)[1])
         write_euler_angles(recording, run)

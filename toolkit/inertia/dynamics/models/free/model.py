@@ -260,6 +260,9 @@ class AsymmetricTop(FreeBody):
 
         distance = separatrix_distance(moments, angular_velocity)
         figures = {"separatrix distance": distance, "polhode period": polhode_period(moments, angular_velocity)}
+        if not distance:
+            onward = "it goes to the axis of the intermediate moment and does not come back."
+            return figures, (f"The spin is on the separatrix: {onward}",) if angular_velocity[[0, 2]].any() else ()
         side = "smallest" if distance > 0 else "largest"
         if not tumbles(moments, angular_velocity):
             return figures, (f"The spin goes round the axis of the {side} moment.",)

@@ -250,9 +250,13 @@ def _flips(moments: Float, angular_velocity: Float, time: Float) -> tuple[Event,
 
 
 def _warnings(moments: Float, angular_velocity: Float, time: Float) -> tuple[str, ...]:
-    if not time.size or not initial_conditions(moments, angular_velocity).asymmetric:
+    if not time.size:
         return ()
-    farthest = float(time[np.argmax(np.abs(time))])
+    start, farthest = initial_conditions(moments, angular_velocity), float(time[np.argmax(np.abs(time))])
+    if start.steady:
+        return _unstable(moments, angular_velocity, abs(farthest))
+    if not start.asymmetric:
+        return ()
     cycle = min(float(flip_period(moments, angular_velocity)), abs(farthest))
     last = farthest - np.copysign(cycle * np.linspace(0.0, 1.0, 33), farthest)
     moved = float(input_rounding(moments, angular_velocity, last).max())
@@ -263,4 +267,16 @@ def _warnings(moments: Float, angular_velocity: Float, time: Float) -> tuple[str
     return (
         f"one rounding of the moments or the spin alone moves the attitude by up to {moved:.2g} rad: deviations from "
         f"rotation about the intermediate axis grow at {rate:.3g} 1/s",
+    )
+
+
+def _unstable(moments: Float, angular_velocity: Float, duration: float) -> tuple[str, ...]:
+    """Say so where a steady spin is about the intermediate axis, and long enough for a disturbance to grow."""
+    along = int(np.argmax(np.abs(angular_velocity)))
+    rate = float(growth_rate(moments, abs(angular_velocity[along])))
+    if along != np.argsort(moments, kind="stable")[1] or rate * duration <= 1.0:
+        return ()
+    return (
+        "the spin about the axis of the intermediate moment is unstable: it stays there if nothing disturbs it, and a "
+        f"disturbance grows by a factor e in {1.0 / rate:.3g} s",
     )

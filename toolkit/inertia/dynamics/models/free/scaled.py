@@ -27,7 +27,8 @@ from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.stability import growth_rate
 from inertia.dynamics.loads.losses import Damping
 from inertia.dynamics.loads.torque import Torque
-from inertia.dynamics.models.hinged.angle import Axle, linear
+from inertia.dynamics.models.hinged.angle import linear
+from inertia.dynamics.models.hinged.axle import Axle
 from inertia.dynamics.models.model import Candidate, Model, Problem
 from inertia.dynamics.motion import Motion
 

@@ -1,6 +1,7 @@
 """The angle of a body on a fixed axle: I θ̈ = N − c θ̇ − k θ + A cos θ + B sin θ, from θ = 0 on.
 
-What is linear, and the pendulum (N = c = k = 0), have closed forms; the rest is stepped by Taylor series.
+What is linear, and the pendulum (N = c = k = 0), have closed forms; the rest is stepped by Taylor series, whose steps
+damping keeps as short as its decay time, or where that would be many of them by collocation.
 """
 
 from __future__ import annotations
@@ -8,12 +9,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from fractions import Fraction
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.computing_time import Watch
+from inertia.dynamics.models.hinged.axle import Axle
+from inertia.dynamics.models.hinged.collocation import NODES, collocated
 from inertia.dynamics.models.rational import root
 from inertia.dynamics.special import double_double
 from inertia.errors import GeometryError
@@ -26,36 +30,15 @@ _EPS = 2.0**-52
 _ORDER = 24
 _LEVELS = (1.0, 0.7)  # of the step, in runs that are compared
 _STEP = 1e-19  # that the last terms of the series may amount to
+_STIFF = 1e3  # decay times of the damping in a run, above which it is not stepped by series
 _SMALL = 0.3  # below which a difference is summed as a series
 _NUDGE = 2.0**-26  # relative, the most that a figure is changed by to see what that does to the angle
+_NOISE = 2.0**-36  # the same of every step: collocation would resolve how more dies away
 _LESS = 2.0**-9  # of a nudge that does too much
 _INSTANTS = 257  # beside the samples, at which that is looked for: what parts may have met again by the end
 _NEAR = 1e-3  # rad, within which what it does is in proportion to it
 _TURN = 2.0 * math.pi
 _LOST = 1e-2  # rad, from which on it is not, and nothing is known
-
-
-@dataclass(frozen=True)
-class Axle:
-    """What decides the angle, SI units: inertia, spin, torque at θ = 0, damping, stiffness, and gravity's A and B."""
-
-    inertia: float
-    spin: float
-    torque: float = 0.0
-    damping: float = 0.0
-    stiffness: float = 0.0
-    cosine: float = 0.0
-    sine: float = 0.0
-
-    @property
-    def pull(self) -> float:
-        """The largest torque of the weight, N m."""
-        return math.hypot(self.cosine, self.sine)
-
-    def acceleration(self, angle: Float, rate: Float) -> Float:
-        """Return θ̈ (n,) rad/s²."""
-        pull = self.cosine * np.cos(angle) + self.sine * np.sin(angle)
-        return np.asarray((self.torque - self.damping * rate - self.stiffness * angle + pull) / self.inertia)
 
 
 Figures = Mapping[str, Fraction]
@@ -86,7 +69,7 @@ def solve_angle(figures: Figures, time: Float, known: Mapping[str, float]) -> Sw
     `known` is how far each of them may be off. What that does to the angle grows as neighbouring motions part,
     exponentially near the upper rest.
     """
-    solve, method = _method(figures)
+    solve, method = _method(figures, float(time[-1]))
     angle, rate, turn, off = solve(figures, time)
     rounded = axle_of(figures)
     instants = np.union1d(time, np.linspace(0.0, float(time[-1]), _INSTANTS))
@@ -112,12 +95,13 @@ def axle_of(figures: Figures) -> Axle:
     return Axle(**{name: float(value) for name, value in figures.items()})
 
 
-def _slope(moved: Callable[[float], Float], path: Float, least: float) -> float:
+def _slope(moved: Callable[[float], Float], path: Float, least: float, most: float = _NUDGE) -> float:
     """Return how much the angle (n,) moves for a nudge: the largest of some, for far neighbours part no more.
 
-    Nudges shrink until what they do is in proportion to them, at every instant, to `least`, which is what counts.
+    Nudges shrink from `most` until what they do is in proportion to them, at every instant, to `least`, which is what
+    counts.
     """
-    nudge, slope = max(_NUDGE, least), 0.0
+    nudge, slope = max(most, least), 0.0
     while True:
         apart = float(np.abs(moved(nudge) - path).max())
         slope = max(slope, apart / nudge)
@@ -127,14 +111,18 @@ def _slope(moved: Callable[[float], Float], path: Float, least: float) -> float:
 
 
 _Solution = tuple[Float, Float, Float, float]
+_March = Callable[..., tuple[Float, Float]]
+"""Takes an axle, instants, a part of the step and a relative noise to θ and θ̇: `_series` or `collocated`."""
 
 
-def _method(figures: Figures) -> tuple[Callable[[Figures, Float], _Solution], str]:
+def _method(figures: Figures, duration: float) -> tuple[Callable[[Figures, Float], _Solution], str]:
     if not (figures["cosine"] or figures["sine"]):
         return _linear, "closed form: exponentials" if figures["damping"] or figures["stiffness"] else "closed form"
     if not (figures["torque"] or figures["damping"] or figures["stiffness"]):
         return _pendulum, "closed form: Jacobi elliptic functions"
-    return _stepped, f"Taylor series of order {_ORDER}"
+    if figures["damping"] * Fraction(duration) > figures["inertia"] * Fraction(_STIFF):
+        return partial(_stepped, march=collocated), f"Radau collocation of {NODES} nodes"
+    return partial(_stepped, march=_series), f"Taylor series of order {_ORDER}"
 
 
 def _linear(figures: Figures, time: Float) -> _Solution:
@@ -228,19 +216,19 @@ def _side(nutation: Nutation, time: Float) -> Float:
     return np.asarray(side)
 
 
-def _stepped(figures: Figures, time: Float) -> _Solution:
-    """Step by Taylor series, twice, with steps of another length; the estimate is twice how far they are apart.
+def _stepped(figures: Figures, time: Float, march: _March) -> _Solution:
+    """Step twice, with steps of another length; the estimate is twice how far the runs are apart.
 
     What every step is rounded by comes on top, as far as neighbouring motions part.
     """
     axle = axle_of(figures)
     with np.errstate(over="ignore", invalid="ignore"):
-        (angle, rate), (other, _) = (_series(axle, time, level) for level in _LEVELS)
+        (angle, rate), (other, _) = (march(axle, time, level) for level in _LEVELS)
     off = 2.0 * float(np.abs(angle - other).max())
     instants = np.union1d(time, np.linspace(0.0, float(time[-1]), _INSTANTS))
-    path = _series(axle, instants, _LEVELS[0])[0]
+    path = march(axle, instants, _LEVELS[0])[0]
     rounding = 4.0 * _EPS
-    off += rounding * _slope(lambda noise: _series(axle, instants, _LEVELS[0], noise)[0], path, rounding)
+    off += rounding * _slope(lambda noise: march(axle, instants, _LEVELS[0], noise)[0], path, rounding, _NOISE)
     return angle, rate, angle, off
 
 

@@ -13,7 +13,8 @@ from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.euler_equations import inverse_dynamics
 from inertia.dynamics.loads.losses import Damping
 from inertia.dynamics.loads.torque import Torque
-from inertia.dynamics.models.hinged.angle import Axle, axle_of, solve_angle
+from inertia.dynamics.models.hinged.angle import axle_of, solve_angle
+from inertia.dynamics.models.hinged.axle import Axle
 from inertia.dynamics.models.model import Candidate, Model, Problem
 from inertia.dynamics.models.rational import cross, dot, principal_rows, rationals, root, rotated
 from inertia.dynamics.motion import Motion

@@ -91,8 +91,17 @@ class Rolling(Model):
             "constraint.kind",
             f'is "rolling", which takes a body of revolution about the axis of its rim, and this one is off by '
             f"{defect:.2g} of its smallest moment, {angle_text(candidate.cost)} in the time of the run: "
-            + (affordable(candidate.cost) if defect < NEARLY_EQUAL else "name its axis, or give it two equal moments"),
+            + (affordable(candidate.cost) if defect < NEARLY_EQUAL else _remedy(candidate.problem)),
         )
+
+
+def _remedy(problem: Problem) -> str:
+    """Return the axis that a body is one of revolution about, as advice, or that it has none."""
+    defects = [problem.symmetric_about(axis)[2] for axis in np.eye(3)]
+    best = int(np.argmin(defects))
+    if defects[best] >= NEARLY_EQUAL:
+        return "give it two equal moments"
+    return f"name that axis as constraint.axis, [{', '.join(f'{x + 0.0:.6g}' for x in problem.axes[:, best])}]"
 
 
 def _figures(candidate: Candidate) -> tuple[float, tuple[float, float], float, float, float]:
