@@ -53,6 +53,14 @@ def test_the_methods_that_ran_are_cited(
     assert bibtex == inertia.cite(json.loads(document.read_text(encoding="utf-8")))
 
 
+def test_a_method_of_its_own_is_not_cited_as_one_of_scipy_s() -> None:
+    named = [
+        set(keys(inertia.cite({"schema": "inertia/run/1", "method": method})))
+        for method in ("Radau collocation of 24 nodes", "Radau")
+    ]
+    assert named == [{"inertia", "Hairer1996"}, {"inertia", "Hairer1996", "Virtanen2020"}]
+
+
 def test_entries_are_well_formed() -> None:
     assert len(keys(SOURCES)) == SOURCES.count("\n@") + 1
     for entry in SOURCES.strip().split("\n\n"):
