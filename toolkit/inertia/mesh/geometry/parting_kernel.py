@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numba import carray, njit
 
-from inertia.mesh.geometry.shell_kernel import COLUMNS, MEETS, girth, least, most, overlap
+from inertia.mesh.geometry.shell_kernel import COLUMNS, MEETS, girth, larger, least, most, overlap
 
 DIRECTIONS, FURTHER = 1, 12
 """Directions that are tried of whole shells; of their triangles near each other."""
@@ -75,29 +75,23 @@ def copy_shells(
 
 
 @njit(error_model="numpy", forceinline=True)
-def higher(a, b):
-    """Return the larger of two numbers."""
-    return b if b > a else a
-
-
-@njit(error_model="numpy", forceinline=True)
 def highest(points, k, end, x, y, z):
     """Return the largest projection of points onto a direction: eight at a time, as vector instructions have it."""
     a = b = c = d = e = f = g = h = np.float32(-np.inf)
     while k + 8 <= end:
-        a = higher(a, x * points[0, k] + y * points[1, k] + z * points[2, k])
-        b = higher(b, x * points[0, k + 1] + y * points[1, k + 1] + z * points[2, k + 1])
-        c = higher(c, x * points[0, k + 2] + y * points[1, k + 2] + z * points[2, k + 2])
-        d = higher(d, x * points[0, k + 3] + y * points[1, k + 3] + z * points[2, k + 3])
-        e = higher(e, x * points[0, k + 4] + y * points[1, k + 4] + z * points[2, k + 4])
-        f = higher(f, x * points[0, k + 5] + y * points[1, k + 5] + z * points[2, k + 5])
-        g = higher(g, x * points[0, k + 6] + y * points[1, k + 6] + z * points[2, k + 6])
-        h = higher(h, x * points[0, k + 7] + y * points[1, k + 7] + z * points[2, k + 7])
+        a = larger(a, x * points[0, k] + y * points[1, k] + z * points[2, k])
+        b = larger(b, x * points[0, k + 1] + y * points[1, k + 1] + z * points[2, k + 1])
+        c = larger(c, x * points[0, k + 2] + y * points[1, k + 2] + z * points[2, k + 2])
+        d = larger(d, x * points[0, k + 3] + y * points[1, k + 3] + z * points[2, k + 3])
+        e = larger(e, x * points[0, k + 4] + y * points[1, k + 4] + z * points[2, k + 4])
+        f = larger(f, x * points[0, k + 5] + y * points[1, k + 5] + z * points[2, k + 5])
+        g = larger(g, x * points[0, k + 6] + y * points[1, k + 6] + z * points[2, k + 6])
+        h = larger(h, x * points[0, k + 7] + y * points[1, k + 7] + z * points[2, k + 7])
         k += 8
     while k < end:
-        a = higher(a, x * points[0, k] + y * points[1, k] + z * points[2, k])
+        a = larger(a, x * points[0, k] + y * points[1, k] + z * points[2, k])
         k += 1
-    return higher(higher(higher(a, b), higher(c, d)), higher(higher(e, f), higher(g, h)))
+    return larger(larger(larger(a, b), larger(c, d)), larger(larger(e, f), larger(g, h)))
 
 
 @njit(error_model="numpy", forceinline=True)

@@ -45,19 +45,27 @@ TINY = 2.0**-900
 
 
 @njit(error_model="numpy", forceinline=True)
+def smaller(a, b):
+    """Return the smaller of two finite numbers, in fewer steps than `min`, which looks for what is none."""
+    return b if b < a else a
+
+
+@njit(error_model="numpy", forceinline=True)
+def larger(a, b):
+    """Return the larger of two finite numbers."""
+    return b if b > a else a
+
+
+@njit(error_model="numpy", forceinline=True)
 def least(a, b, c, d):
-    """Return the least of four finite numbers, in fewer steps than `min`, which looks for what is none."""
-    a = b if b < a else a
-    c = d if d < c else c
-    return c if c < a else a
+    """Return the least of four finite numbers."""
+    return smaller(smaller(a, b), smaller(c, d))
 
 
 @njit(error_model="numpy", forceinline=True)
 def most(a, b, c, d):
     """Return the largest of four finite numbers."""
-    a = b if b > a else a
-    c = d if d > c else c
-    return c if c > a else a
+    return larger(larger(a, b), larger(c, d))
 
 
 def measure_shells(vertices_at, vertices, faces_at, labels_at, count, table_at, shells, boxes_at, shell_at):
@@ -86,7 +94,6 @@ def measure_shells(vertices_at, vertices, faces_at, labels_at, count, table_at, 
             if table[row, 11] == 0.0:
                 for axis in range(3):
                     a, b, c = corners[p, axis], corners[q, axis], corners[r, axis]
-                    table[row, axis], table[row, 3 + axis] = a, a
                     table[row, 8 + axis] = FIRST * a + SECOND * b + THIRD * c
             lx, ly, lz = corners[p, 0], corners[p, 1], corners[p, 2]
             hx, hy, hz = lx, ly, lz
@@ -106,10 +113,14 @@ def measure_shells(vertices_at, vertices, faces_at, labels_at, count, table_at, 
                 volume += ax * (uy * vz - uz * vy) + ay * (uz * vx - ux * vz) + az * (ux * vy - uy * vx)
                 size += (ax * ax + ay * ay + az * az) * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
                 k += 1
-            boxes[n, 0], boxes[n, 1], boxes[n, 2], boxes[n, 3], boxes[n, 4], boxes[n, 5] = lx, ly, lz, hx, hy, hz
-            for axis in range(3):
-                table[row, axis] = min(table[row, axis], boxes[n, axis])
-                table[row, 3 + axis] = max(table[row, 3 + axis], boxes[n, 3 + axis])
+            if k - begin == stop - n * RUN:
+                boxes[n, 0], boxes[n, 1], boxes[n, 2] = lx, ly, lz
+                boxes[n, 3], boxes[n, 4], boxes[n, 5] = hx, hy, hz
+            if table[row, 11] > 0.0:
+                lx, ly, lz = smaller(lx, table[row, 0]), smaller(ly, table[row, 1]), smaller(lz, table[row, 2])
+                hx, hy, hz = larger(hx, table[row, 3]), larger(hy, table[row, 4]), larger(hz, table[row, 5])
+            table[row, 0], table[row, 1], table[row, 2] = lx, ly, lz
+            table[row, 3], table[row, 4], table[row, 5] = hx, hy, hz
             table[row, 6], table[row, 7] = volume, size
             table[row, 11] += k - begin
     return 0
@@ -127,8 +138,8 @@ def curve_places(table_at, shells, cells, noise, stored, bits, box_at, boxes_at,
     places = carray(places_at, (shells,), np.uint64)
     lx, ly, lz, hx, hy, hz = table[0, 0], table[0, 1], table[0, 2], table[0, 3], table[0, 4], table[0, 5]
     for k in range(shells):
-        lx, ly, lz = min(lx, table[k, 0]), min(ly, table[k, 1]), min(lz, table[k, 2])
-        hx, hy, hz = max(hx, table[k, 3]), max(hy, table[k, 4]), max(hz, table[k, 5])
+        lx, ly, lz = smaller(lx, table[k, 0]), smaller(ly, table[k, 1]), smaller(lz, table[k, 2])
+        hx, hy, hz = larger(hx, table[k, 3]), larger(hy, table[k, 4]), larger(hz, table[k, 5])
         for axis in range(6):
             boxes[k, axis] = np.float32(table[k, axis])
         # The sum of n numbers is no more than the root of n times that of their squares.
@@ -144,7 +155,7 @@ def curve_places(table_at, shells, cells, noise, stored, bits, box_at, boxes_at,
         code = np.uint64(0)
         for axis in range(3):
             middle = 0.5 * table[k, axis] + 0.5 * table[k, 3 + axis]
-            code |= spread(np.uint64(max((middle - box[0, axis]) * factor, 0.0))) << np.uint64(axis)
+            code |= spread(np.uint64(larger((middle - box[0, axis]) * factor, 0.0))) << np.uint64(axis)
         places[k] = code >> np.uint64(bits - 1) << np.uint64(bits) | np.uint64(k)
     return 0
 
