@@ -13,7 +13,9 @@ import pytest
 from matplotlib.figure import Figure
 
 import inertia
-from inertia.notebook import EYE, ellipsoid_svg, outline
+from inertia.mesh.part import CellBlock, Cells, Part
+from inertia.notebook import EYE, ellipsoid_svg, outline, seen
+from inertia.units import length_unit
 from inertia_meshes import path
 
 SHOWN: dict[str, Callable[[], Any]] = {
@@ -101,12 +103,33 @@ def test_names_from_outside_are_escaped() -> None:
     assert "\x1b" not in text
 
 
-def test_cells_have_a_table_and_no_drawing_of_their_own() -> None:
+def test_cells_are_drawn_by_their_outside() -> None:
+    """A bar of two regions: what is drawn fills it, and a part by itself says how."""
     part = inertia.read(path("two_region_bar.vtk"))
+    assert isinstance(part.geometry, Cells)
     assert "cells" in part._repr_html_()
-    with pytest.raises(inertia.GeometryError, match="mesh of cells"):
+    with pytest.raises(
+        inertia.GeometryError, match=r"mesh of cells.*: draw its outside by inertia\.analyse\(part\)\.plot"
+    ):
         part.plot()
-    assert inertia.analyse(part, {"1": 2700.0, "2": 7850.0}).plot().axes
+    axes = inertia.analyse(part, {"1": 2700.0, "2": 7850.0}).plot().axes[0]
+    (faces,) = axes.collections
+    drawn = np.concatenate([each.vertices for each in faces.get_paths()])
+    nodes = part.geometry.points[np.unique(np.concatenate([block.nodes for block in part.geometry.blocks]))]
+    corners = float(part.unit.metres) * seen(nodes)
+    np.testing.assert_allclose(
+        [drawn.min(axis=0), drawn.max(axis=0)], [corners.min(axis=0), corners.max(axis=0)], atol=1e-12
+    )
+    assert len(axes.lines) == 4  # the ellipsoid and its axes
+
+
+@pytest.mark.parametrize(("kind", "nodes", "order"), [("line", [[0, 1]], [0, 1]), ("line3", [[0, 1, 2]], [0, 2, 1])])
+def test_wires_are_drawn_along_their_nodes(kind: str, nodes: list[list[int]], order: list[int]) -> None:
+    points = np.array([[0.0, 0, 0], [2, 0, 1], [1, 1, 0]])
+    part = Part(Cells(points, (CellBlock(kind, np.array(nodes)),)), length_unit("m"), "option")
+    (lines,) = inertia.analyse(part, 1000.0, wire=1.0).plot().axes[0].collections
+    (line,) = lines.get_paths()
+    np.testing.assert_allclose(line.vertices, seen(points[order]))
 
 
 def test_the_outline_is_that_of_the_ellipsoid() -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from numpy.typing import ArrayLike
 
 from inertia.errors import GeometryError, InertiaError, UsageError
 from inertia.mass.elements import lamina, point_masses, wire
@@ -315,3 +316,41 @@ def test_an_outline_may_run_along_itself_around_a_hole() -> None:
     assert plate.mass == 16.0
     whole = lamina(square[:4], 2.0)
     assert (plate + filling).inertia == pytest.approx(whole.inertia, rel=1e-15)
+
+
+TURNS = np.arange(24) * np.pi / 12
+GEAR = np.column_stack([np.cos(TURNS), np.sin(TURNS)]) * np.where(np.arange(24) % 2, 1.0, 1.1)[:, None]
+SPIRAL = [(0.0, 0.0), *((1 + a) * np.array([np.cos(a), np.sin(a)]) for a in np.linspace(0, 2.5 * np.pi, 40))]
+
+
+@pytest.mark.parametrize("turn", [np.eye(3), rotation(1)])
+@pytest.mark.parametrize(
+    ("outline", "says"),
+    [
+        ([*SQUARE, *SQUARE], "goes round something twice"),
+        ([*SQUARE[::-1], *SQUARE[::-1]], "goes round something twice"),
+        ([*SQUARE, [0, 0], [0.5, 0], *SQUARE[1:]], "goes round something twice"),
+        ([*GEAR, *GEAR], "goes round something twice"),
+        ([[-1, -1], [0, 0], [1, 2], [1, -2], [0, 0], [-1, 1]], "one part this way and another that way"),
+        (SPIRAL, "crosses itself"),
+    ],
+)
+def test_an_outline_goes_once_around(outline: ArrayLike, says: str, turn: np.ndarray) -> None:
+    flat = np.asarray(outline, float)
+    with pytest.raises(GeometryError, match=f"{says}|crosses itself"):  # as rounding lets edges in line cross or touch
+        lamina(np.pad(flat, ((0, 0), (0, 1))) @ turn.T, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("outline", "area"),
+    [
+        ([*SQUARE, [0, 0]], 1.0),
+        ([[0, 0], [1, 0], [2, 0], [1, 0], [0, 1]], 0.5),
+        ([[-1, -1], [0, 0], [1, -2], [1, 2], [0, 0], [-1, 1]], 3.0),
+        ([*GEAR, GEAR[0], *(0.5 * GEAR[[0, *range(len(GEAR) - 1, -1, -1)]])], 0.75 * 12 * 1.1 * np.sin(np.pi / 12)),
+    ],
+)
+@pytest.mark.parametrize("way", [1, -1])
+def test_an_outline_may_touch_itself(outline: ArrayLike, area: float, way: int) -> None:
+    """Closed by its first corner, with a spike, two triangles at a point, and a gear with a hole led to by a cut."""
+    assert lamina(np.asarray(outline, float)[::way], 1.0).mass == pytest.approx(area, rel=1e-14)

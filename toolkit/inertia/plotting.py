@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_LINE = "#555555"
+
 SUFFIXES = (".svg", ".png")
 
 
@@ -121,10 +123,22 @@ def draw_triangles(axes: Axes, corners: Float, *, opacity: float = 1.0) -> None:
     bare(axes)
 
 
+def draw_lines(axes: Axes, paths: Float, *, opacity: float = 1.0) -> None:
+    """Draw lines through k points each, (n, k, 3); single points are dots."""
+    from matplotlib.collections import LineCollection
+
+    where = seen(paths)
+    if paths.shape[1] == 1:
+        axes.plot(where[:, 0, 0], where[:, 0, 1], ".", color=_LINE, alpha=opacity)
+    else:
+        axes.add_collection(LineCollection(list(where), colors=_LINE, linewidths=1.0, alpha=opacity))
+    bare(axes)
+
+
 def draw_ellipsoid(axes: Axes, center: Float, semi_axes: Float, directions: Float) -> None:
     """Draw the outline of an ellipsoid and its semi-axes, numbered."""
     middle = seen(center)
-    axes.plot(*(middle + outline(semi_axes, directions)).T, color="#555555", linewidth=1.0)
+    axes.plot(*(middle + outline(semi_axes, directions)).T, color=_LINE, linewidth=1.0)
     for number, end, color in zip("123", seen((directions * semi_axes).T), COLORS, strict=True):
         axes.plot(*np.array([middle - end, middle + end]).T, color=color, linewidth=1.5)
         axes.annotate(number, tuple(middle + end), color=color)

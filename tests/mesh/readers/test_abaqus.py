@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from tests.mesh.readers.samples import ABAQUS, TETRA, TETRA_POINTS
 
+import inertia
 from inertia import mass_properties, read
 from inertia.errors import ReadError
 from inertia.mesh.part import Cells, Part
@@ -142,6 +143,72 @@ def test_a_node_is_in_one_place(tmp_path: Path) -> None:
     assert len(cells_of(read_text(tmp_path, ABAQUS.replace(again, again + "5, 1.10, 11e-1, 1.1\n"))).points) == 5
     with pytest.raises(ReadError, match="defines node 5 twice, in two places"):
         read_text(tmp_path, ABAQUS.replace(again, again + "5, 1.1, 1.1, 1.2\n"))
+
+
+def test_nodes_may_be_in_several_blocks(tmp_path: Path) -> None:
+    head, *nodes = NODES.splitlines(keepends=True)
+    table = "*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n2,2,3,4,5\n"
+    for blocks in ([*nodes[:2], "*NODE, NSET=x\n", *nodes[1:], table], [*nodes[:2], table, "*NODE\n", *nodes[2:]]):
+        cells = cells_of(read_text(tmp_path, head + "".join(blocks)))
+        assert np.array_equal(cells.points, TETRA_POINTS)
+        assert np.array_equal(cells.blocks[0].nodes, TETRA)
+
+
+IN_PARTS = "*Part, name=P\n{}*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n*End Part\n*Assembly, name=A\n{}*End Assembly\n"
+ONE = "*Instance, name=P-1, part=P\n*End Instance\n"
+
+
+@pytest.mark.parametrize(
+    "of_assembly", [ONE + "*Node\n1, 100., 0., 0.\n*Nset, nset=RP\n1,\n", "*Node\n9,1,1,1\n" + ONE]
+)
+def test_reference_points_of_an_assembly_are_left_out(of_assembly: str, tmp_path: Path) -> None:
+    part = read_text(tmp_path, IN_PARTS.format(NODES, of_assembly))
+    assert np.array_equal(cells_of(part).points, TETRA_POINTS)
+    assert mass_properties(part, 1).volume == pytest.approx(1 / 6, rel=1e-14)
+
+
+def test_a_reference_point_of_a_part_is_no_part_of_it(tmp_path: Path) -> None:
+    part = read_text(tmp_path, IN_PARTS.format(NODES + "*NODE\n9, 100., 0., 0.\n", ONE))
+    assert inertia.analyse(part, 1).extents[1].tolist() == TETRA_POINTS[:4].max(axis=0).tolist()
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (IN_PARTS.format(NODES, ONE + ONE), "has 1 part and 2 instances, but one of each is read"),
+        (
+            IN_PARTS.format(NODES, ONE).replace("*Assembly", f"*Part, name=Q\n{NODES}*End Part\n*Assembly"),
+            "has 2 parts",
+        ),
+        (IN_PARTS.format(NODES, ONE + "*Element, type=T3D2\n9,1,2\n"), "its .ASSEMBLY has elements of its own"),
+    ],
+)
+def test_one_part_is_read(text: str, says: str, tmp_path: Path) -> None:
+    with pytest.raises(ReadError, match=says) as refusal:
+        read_text(tmp_path, text)
+    assert refusal.value.code == "not_read"
+
+
+ROD = "*NODE\n1,0,0,0\n2,5,0,0\n3,10,0,0\n4,3,4,0\n5,2,0,0\n"
+
+
+@pytest.mark.parametrize("kind", ["T3D3", "t3d3h", "T2D3", "B32", "B22H"])
+def test_the_second_of_three_nodes_of_a_rod_is_in_the_middle(kind: str, tmp_path: Path) -> None:
+    """As Gmsh, FreeCAD and CalculiX write them."""
+    part = read_text(tmp_path, f"{ROD}*ELEMENT, TYPE={kind}\n1, 1, 2, 3\n")
+    properties = mass_properties(part, 1, wire=1)
+    assert properties.mass == pytest.approx(10, rel=1e-13)
+    assert properties.center_of_mass == pytest.approx([5, 0, 0], abs=1e-13)
+    assert cells_of(part).blocks[0].nodes.tolist() == [[0, 2, 1]]
+    assert cells_of(read_text(tmp_path, f"{ROD}*ELEMENT, TYPE={kind}\n1, 1, 4, 3\n")).count == 1
+
+
+@pytest.mark.parametrize("nodes", ["1, 3, 2", "2, 1, 3", "1, 5, 3"])
+def test_a_rod_whose_middle_is_elsewhere_is_refused(nodes: str, tmp_path: Path) -> None:
+    with pytest.raises(
+        ReadError, match=r"second of the three nodes of its element 7 is not .*: give the nodes as end, mid"
+    ):
+        read_text(tmp_path, f"{ROD}*ELEMENT, TYPE=B32\n7, {nodes}\n")
 
 
 @pytest.mark.parametrize(

@@ -331,7 +331,7 @@ def test_the_smallest_abaqus_set_that_holds_a_cell_names_it(tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("name", "text", "reason"),
     [
-        ("a.inp", ABAQUS + "*NODE\n9, 0, 0, 0\n", r"2 \*NODE blocks"),
+        ("a.inp", ABAQUS + "*Part, name=a\n*NODE\n9, 0, 0, 0\n*End Part\n", "2 parts and 0 instances, but one"),
         ("a.inp", ABAQUS + "*INCLUDE, INPUT=a.inp\n", "INCLUDE"),
         ("a.inp", ABAQUS + "*Instance, name=a, part=b\n1., 0., 0.\n*End Instance\n", "moves the part"),
         ("a.inp", ABAQUS + "*ELSET, ELSET=x, GENERATE\n1, 2000000000, 1\n", "2000000000"),
@@ -349,7 +349,7 @@ def test_the_smallest_abaqus_set_that_holds_a_cell_names_it(tmp_path: Path) -> N
             VTK_TEXT.replace("CELL_DATA 2", "CELL_TYPES 2\n9 9\nCELL_DATA 2"),
             "do not agree with its CELL_TYPES",
         ),
-        ("a.inp", ABAQUS.replace("*NODE", " *NODE") + " *NODE\n9, 0, 0, 0\n", r"2 \*NODE blocks"),
+        ("a.inp", ABAQUS.replace("*NODE", " *NODE") + " *NODE\n5, 0, 0, 0\n", "node 5 twice, in two places"),
         ("a.inp", ABAQUS.replace("2, 2,3,4,5", "2, 2,,3,4,5"), "elements lack nodes"),
         ("a.inp", ABAQUS.replace("2, 2,3,4,5", "2, 2,3\n4,5"), "different numbers of them"),
         ("a.inp", ABAQUS.replace("2, 2,3,4,5", "2, 2,3,\x1f4,5"), "control character"),
@@ -463,6 +463,28 @@ def test_tables_of_medit_that_change_no_body_are_left_out(tables: str, tmp_path:
         assert names_of(part) == ["1"]
     with pytest.raises(ReadError, match=r"as medit \(\"Unknown keyword 'Other'"):
         read_text(tmp_path, "a.mesh", MEDIT.replace("End\n", tables + "Other\n1\n1\nEnd\n"))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        MEDIT.replace(" 2\n", "\n2\n", 1).replace("Dimension 3", "Dimension\n3"),
+        MEDIT.replace("Vertices\n4", "Vertices 4").replace("Tetrahedra\n1", "Tetrahedra # one\n\t1"),
+        MEDIT.replace("\n", " ").strip() + "\n",
+        MEDIT.replace("\n", "\r\n").replace("Vertices\r\n4", "Vertices  4"),
+        MEDIT.replace("Formatted 2", "Formatted 3"),
+        MEDIT.replace("Formatted 2", "Formatted\n4"),
+    ],
+)
+def test_any_white_space_parts_the_words_of_medit(text: str, tmp_path: Path) -> None:
+    part = read_text(tmp_path, "a.mesh", text)
+    assert mass_properties(part, 1.0).mass == pytest.approx(1e-9 / 6, rel=1e-15)
+    assert not part.notes
+
+
+def test_tables_of_medit_are_there_once_wherever_they_begin(tmp_path: Path) -> None:
+    with pytest.raises(ReadError, match="a table twice"):
+        read_text(tmp_path, "a.mesh", MEDIT.replace("1\nEnd", "1 Tetrahedra 1 1 2 3 4 1\nEnd"))
 
 
 def test_a_node_0_that_counts_from_1_is_none(tmp_path: Path) -> None:

@@ -48,6 +48,21 @@ def test_gmsh_stays_gmsh(tmp_path: Path) -> None:
     assert "counts" not in str(fault.value)
 
 
+@pytest.mark.parametrize(
+    ("name", "text", "says"),
+    [
+        ("part.msh", "$NOD\n1\n1 0 0 0\n$ENDNOD\n$ELM\n0\n$ENDELM\n", "it is MSH 1, but 2.2 and 4.1 are read"),
+        ("part.dat", "$NOD\n0\n$ENDNOD\n", "it is MSH 1, but 2.2 and 4.1 are read"),
+        ("part.msh", "something else\n", "it has no section .MeshFormat: it is no MSH file of Gmsh, or was cut short"),
+        ("part.msh", "$MeshFormat\nx\n", "its .MeshFormat section is damaged"),
+    ],
+)
+def test_msh_of_another_version_is_called_so(name: str, text: str, says: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text(text)
+    with pytest.raises(inertia.ReadError, match=says):
+        inertia.read(tmp_path / name)
+
+
 @pytest.mark.parametrize("change", [-1, 1])
 def test_a_file_of_another_length_is_refused(tmp_path: Path, change: int) -> None:
     file = write(tmp_path / "arm.msh", np.array(solid.CORNERS), np.array(solid.FACES) - 1)

@@ -77,6 +77,62 @@ def test_a_continued_card_that_is_left_aside_takes_its_lines_along(tmp_path: Pat
     assert mass_properties(read_text(tmp_path, "a.bdf", text), 1.0).mass == pytest.approx(1e-9, rel=1e-15)
 
 
+TEN = np.array(
+    [
+        *([0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]),
+        *([2, -0.3, -0.3], [2, 2, 0], [-0.3, 2, -0.3], [-0.3, -0.3, 2], [2, 0, 2], [0, 2, 2]),
+    ]
+)
+FIRST, SECOND = "CTETRA,1,1,1,2,3,4,5,6,+A1", "+A1,7,8,9,10"
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        [FIRST, SECOND],
+        [FIRST, "PSOLID,1,1", SECOND],
+        [FIRST, "GRID,11,,9.,9.,9.", SECOND],
+        [FIRST, "MAT9,1,1.,2.,3.,4.,5.,6.,7.,+B1", "+B1,8.,9.", SECOND],
+        [FIRST, "MAT9,1,1.,2.,3.,4.,5.,6.,7.,+B1", SECOND, "+B1,8.,9."],
+        [SECOND, FIRST],
+        [SECOND, "PSOLID,1,1", FIRST.lower()],
+        ["CTETRA,1,1,1,2,3,4,5,6,*A1", "PSOLID,1,1", SECOND],
+        ["CTETRA  " + CORNERS_OF_8 + "+A1", "PSOLID,1,1", SECOND],
+        ["CTETRA  " + CORNERS_OF_8 + "XA1", "PSOLID,1,1", SECOND],
+        ["CTETRA  " + CORNERS_OF_8 + "A1", "PSOLID,1,1", "+A1     7       8       9       10"],
+        [FIRST, "PSOLID,1,1", f"*A1     {7:<16}{8:<16}{9:<16}{10:<16}"],
+    ],
+)
+def test_nastran_s_continuations_go_by_their_names(lines: list[str], tmp_path: Path) -> None:
+    """The volume is the integral of the quadratic tetrahedron's determinant, by a quadrature apart."""
+    part = read_text(tmp_path, "a.bdf", bulk(*grid(TEN), *lines))
+    assert isinstance(part.geometry, Cells)
+    assert [(block.kind, block.nodes.tolist()) for block in part.geometry.blocks] == [("tetra10", [[*range(10)]])]
+    assert mass_properties(part, 1.0).volume == pytest.approx(15.754666666666667e-9, rel=1e-14)
+
+
+def test_continuations_of_a_sorted_deck_find_their_cards(tmp_path: Path) -> None:
+    second = [f"CTETRA,2,1,{','.join(map(str, range(11, 17)))},+A2", "+A2,17,18,19,20"]
+    text = bulk(*grid(np.concatenate([TEN, TEN + 10])), FIRST, second[0], SECOND, second[1])
+    part = read_text(tmp_path, "a.bdf", text)
+    assert isinstance(part.geometry, Cells)
+    assert [block.nodes.tolist() for block in part.geometry.blocks] == [[[*range(10)], [*range(10, 20)]]]
+
+
+@pytest.mark.parametrize(
+    ("lines", "says"),
+    [
+        ([FIRST, ",7,8,9,10", "PSOLID,1,1", SECOND], "its lines ',7,8,9,10' and '.A1,7,8,9,10' both continue 'CTETRA"),
+        ([FIRST, "PSOLID,1,1", SECOND, SECOND], "both continue"),
+        (["+A1,7,8,9,10,,,,,+A2", "+A2,1,,,,,,,,+A1", FIRST.replace("A1", "A3")], "continues no card"),
+        ([FIRST, FIRST.replace(",1", ",2", 1), "PSOLID,1,1", SECOND], "its name, which 2 lines have as their last"),
+    ],
+)
+def test_continuations_that_could_go_to_several_lines_are_refused(lines: list[str], says: str, tmp_path: Path) -> None:
+    with pytest.raises(ReadError, match=says):
+        read_text(tmp_path, "a.bdf", bulk(*lines, *grid(TEN)))
+
+
 @pytest.mark.parametrize(
     "seven", ["7.0", "7.", ".7E1", "0.7+1", ".70+1", "7.E+0", "70.-1", ".7D1", "7.D+0", "70.d-1", "+.7e+01", "7"]
 )
@@ -211,7 +267,11 @@ def test_other_elements_of_nastran_are_refused(card: str, tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    "name", ["CIHEX1", "CIHEX2", "cihex3", "CWEDGE", "CHEXA1", "CIFHEX", "CTRMEM", "CTRPLT1", "CQDMEM2", "CPLSTS4"]
+    "name",
+    [
+        *("CIHEX1", "CIHEX2", "cihex3", "CWEDGE", "CHEXA1", "CIFHEX", "CTRMEM", "CTRPLT1", "CQDMEM2", "CPLSTS4"),
+        *("CTRIAX6", "CTRAX6", "CTRIAX", "CQUADX8"),  # sections of bodies of revolution
+    ],
 )
 def test_elements_of_other_versions_of_nastran_are_refused(name: str, tmp_path: Path) -> None:
     refused(tmp_path, f"{name},3,1,1,2,3,4", f"its card '{name}' is not read: write solids as CTETRA")

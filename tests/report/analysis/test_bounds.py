@@ -4,10 +4,11 @@ import json
 import math
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.mass.parts import cells, cube, exact, surface
+from tests.mass.parts import box, cells, cube, exact, surface
 from tests.mass.spectra import angle, eigenvalues, eigenvectors
 
 import inertia
@@ -72,3 +73,30 @@ def test_a_moment_of_nothing_has_no_relative_bound() -> None:
     assert max(others) < 1e-12
     row = next(k for k in analysis_text(line).splitlines() if k.startswith("  1 "))
     assert row.split()[1:3] == ["0", "0"]
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "zeros"),
+    [
+        ("v 0 0 0\nv 1 2 2\nl 1 2\n", {"wire": 1.0}, [False, True, True]),
+        ("v 0 0 0\nv 3 1 2\nv 1 4 -1\nf 1 2 3\n", {"shell": 1.0}, [False, False, True]),
+    ],
+)
+def test_semi_axes_that_are_rounding_are_printed_as_0(
+    text: str, options: dict[str, float], zeros: list[bool], tmp_path: Path
+) -> None:
+    (tmp_path / "a.obj").write_text(text)
+    part = inertia.read(tmp_path / "a.obj", unit="m")
+    assert [semi == "0" for semi in semi_axes_of(inertia.analyse(part, 1000.0, **options))] == zeros
+
+
+@pytest.mark.parametrize("sides", [[3, 3, 3e-3], [3, 3, 3e-6], [3, 3e-6, 3e-6], [3, 3e-9, 3e-9], [2, 1, 0.5]])
+def test_semi_axes_of_what_is_thin_are_printed(sides: list[float]) -> None:
+    """A box of sides a has the semi-axes a √(5/12)."""
+    printed = [float(each) for each in semi_axes_of(inertia.analyse(unsaved(surface(box(*sides))), 1000.0))]
+    assert printed == pytest.approx(sorted(np.sqrt(5 / 12) * np.array(sides))[::-1], rel=1e-6)
+
+
+def semi_axes_of(analysis: inertia.Analysis) -> list[str]:
+    line = line_of(analysis_text(analysis), "Equivalent")
+    return line.partition("semi-axes ")[2].partition(" m ")[0].split(", ")

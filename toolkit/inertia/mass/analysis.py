@@ -18,7 +18,7 @@ from inertia.mass.integration import TrueShape
 from inertia.mass.principal import Principal
 from inertia.mass.properties import ErrorBound, MassProperties
 from inertia.mesh.checks.findings import Finding
-from inertia.mesh.part import DRAWN, Part
+from inertia.mesh.part import Part
 from inertia.records import dataclass
 
 if TYPE_CHECKING:
@@ -122,12 +122,11 @@ class Analysis:
 
         Raises `UsageError` where matplotlib is not installed.
         """
-        from inertia.mesh.part import Cells
-        from inertia.plotting import draw_ellipsoid, draw_triangles, figure_of
+        from inertia.mesh.drawing import draw_part
+        from inertia.plotting import draw_ellipsoid, figure_of
 
         def draw(axes: Axes) -> None:
-            if not isinstance(self.part.geometry, Cells):
-                draw_triangles(axes, float(self.part.unit.metres) * self.part.triangles.sample(DRAWN), opacity=0.35)
+            draw_part(axes, self.part, float(self.part.unit.metres), opacity=0.35)
             of = self.properties
             draw_ellipsoid(axes, of.center_of_mass, of.equivalent_ellipsoid, self.principal.axes)
 

@@ -7,18 +7,15 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from inertia.arrays import Float, Int, reals
+from inertia.arrays import Float, reals
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.density import positive
 from inertia.mass.moments import ZERO, Moments, root_above, simplex_moments
+from inertia.mass.outline import require_simple
 from inertia.mass.properties import TOO_LARGE, TOO_SMALL, MassProperties
-from inertia.mesh.geometry.boxes import BoxTree, overlapping
-from inertia.mesh.geometry.triangle_pairs import orient3d
 
 _FLAT = 1e-9
 """A polygon counts as flat when its corners lie within this part of its size from its plane."""
-
-_THICK = np.array([0.0, 0.0, 1.0])
 
 _OF_ROOT = Fraction(1, 2**60)
 """How far `root_above` may be from the root, as a part of it."""
@@ -76,7 +73,8 @@ def lamina(outline: ArrayLike, areal_density: float) -> MassProperties:
 
     Parameters
     ----------
-    outline : (n, 2) or (n, 3) m, n ≥ 3, corners in order, in one plane; edges that cross are refused
+    outline : (n, 2) or (n, 3) m, n ≥ 3, corners in order, in one plane, once around: edges may touch and run to and fro
+        (to a hole), but an outline that crosses itself or goes round twice is refused
     areal_density : kg/m²
 
     >>> lamina([[0, 0], [1, 0], [1, 1], [0, 1]], 12.0).inertia.diagonal().tolist()
@@ -104,31 +102,13 @@ def lamina(outline: ArrayLike, areal_density: float) -> MassProperties:
             f"outline[{worst}] is {off[worst]:.3g} m off the plane of the outline, the limit is {_FLAT * size:.3g} m: "
             "a lamina is flat; use a mesh with shell=THICKNESS"
         )
-    if (normals @ normal < 0).any() and (crossed := _crossed(np.delete(shape, np.abs(normal).argmax(), axis=1))):
-        i, j = crossed
-        raise GeometryError(f"the outline crosses itself: its edges from corners {i} and {j} on, counted from 0, cross")
+    require_simple(np.delete(shape, np.abs(normal).argmax(), axis=1))
     weight = positive(areal_density, "areal_density", "kg/m²")
     a, b, c = _rational(triangles).transpose(1, 0, 2)
     doubled = np.cross(b - a, c - a)
     total = doubled.sum(axis=0)
     factor = Fraction(weight) / (2 * root_above(total @ total))
     return _properties(simplex_moments(triangles, factor * (doubled @ total), _OF_ROOT), "triangles")
-
-
-def _crossed(corners: Float) -> tuple[int, int] | None:
-    """Return the first edges of a polygon, of corners (n, 2), that cross within both; None where none do."""
-    raised = np.pad(corners, ((0, 0), (0, 1)))
-    a, b = raised, np.roll(raised, -1, axis=0)
-    boxes = BoxTree(np.minimum(a, b) - _THICK, np.maximum(a, b) + _THICK)
-
-    def side(of: Int, other: Int, end: Float) -> NDArray[np.int8]:
-        return orient3d(a[of], b[of], end[other], a[of] + _THICK)
-
-    crossed: list[tuple[int, int]] = []
-    for i, j, _ in overlapping(boxes, touching=True):
-        parted = (side(i, j, a) * side(i, j, b) < 0) & (side(j, i, a) * side(j, i, b) < 0)
-        crossed += zip(i[parted].tolist(), j[parted].tolist(), strict=True)
-    return min(crossed, default=None)
 
 
 def _points(value: ArrayLike, least: int) -> Float:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DRAWN = 200_000
-"""The most triangles that are drawn."""
+"""The most triangles that are drawn, or lines or points of a mesh of cells."""
 
 _NAMES_IN_TRIMESH = {
     "dm": "decimeters",
@@ -274,11 +274,16 @@ class Part:
         """Draw the surface as seen from the side and above, z upright, and return the figure.
 
         Of more than 200,000 triangles that many are drawn. Raises `GeometryError` where the part is a mesh of cells,
-        `UsageError` where matplotlib is not installed.
+        whose outside the plot of its analysis draws, `UsageError` where matplotlib is not installed.
         """
         from inertia.plotting import draw_triangles, figure_of
 
-        corners = self.triangles.sample(DRAWN)
+        if isinstance(self.geometry, Cells):
+            raise GeometryError(
+                f"{self.name} is a mesh of cells, which has no surface of its own: draw its outside by "
+                "inertia.analyse(part).plot()"
+            )
+        corners = self.geometry.sample(DRAWN)
         return figure_of(lambda axes: draw_triangles(axes, corners), ax, visible(Path(self.name).name))
 
     def _repr_html_(self) -> str:

@@ -1,9 +1,10 @@
 """Abaqus input: its nodes, elements and sets of elements, laid out as meshio reads them without loss.
 
 meshio takes a comment within a table for its end, knows few of the names that elements of one layout have, gives the
-set that a table of elements names to another table, and reads no set of elements and other sets. What places, moves or
-makes nodes by a rule, or takes them from elsewhere, is refused. Source: Dassault Systèmes, "Abaqus Keywords Guide",
-*NODE, *ELEMENT, *ELSET, *INSTANCE, "Input Syntax Rules", labels, and "Abaqus Elements Guide", index.
+set that a table of elements names to another table, takes the second of three nodes of a rod, which is its middle, for
+its end, and reads no set of elements and other sets. What places, moves or makes nodes by a rule, or takes them from
+elsewhere, is refused. Source: Dassault Systèmes, "Abaqus Keywords Guide", *NODE, *ELEMENT, *ELSET, *PART, *INSTANCE,
+"Input Syntax Rules", labels, and "Abaqus Elements Guide", index and beams; G. Dhondt, "CalculiX USER'S MANUAL", B32.
 """
 
 from __future__ import annotations
@@ -22,7 +23,11 @@ _REFUSED = (
     *("INCLUDE", "IMPORT", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM"),
     *("IMPERFECTION", "SYMMETRIC MODEL GENERATION"),
 )
-_KEPT = ("NODE", "ELEMENT", "ELSET", "INSTANCE")
+_SCOPES = ("PART", "ASSEMBLY", "INSTANCE")
+_ENDS = {"END PART": "", "END ASSEMBLY": "", "END INSTANCE": "ASSEMBLY"}
+"""What ends a part, an assembly or an instance → what goes on behind it."""
+
+_KEPT = ("NODE", "ELEMENT", "ELSET", *_SCOPES, *_ENDS)
 _TYPES = {
     "T3D2": (2, r"T[23]D2H?|B[23][13]H?"),
     "T3D3": (3, r"T[23]D3H?|B[23]2H?"),
@@ -40,35 +45,40 @@ _TYPES = {
 }
 """Type that meshio knows → how many nodes it has, and all types that have them in the same order."""
 
+_MIDDLE_SECOND = "T3D3"
+"""The type whose nodes are end, middle, end; meshio takes them for end, end, middle."""
+
+_BETWEEN = 0.249, 0.751
+"""Where the middle of a rod may be, as a share of the way from end to end: beyond a quarter the curve through the three
+nodes, whose parameter is 1/2 at the middle, turns back at an end."""
+
+Table = tuple[str, dict[str, str], list[list[str]]]
+"""A keyword, its options, and the fields of each line below it."""
+
+Places = dict[str, tuple[float, ...]]
+"""Number of a node → where it is, (3,)."""
+
 
 def plain_input(data: bytes) -> bytes:
     """Return the nodes, elements and sets of elements of an input file, without comments, a line each."""
-    tables = list(_tables(data))
-    nodes, instances = (sum(keyword == name for keyword, _, _ in tables) for name in ("NODE", "INSTANCE"))
-    if nodes > 1 or instances > 1:
-        raise ReadError(
-            f"it has {nodes} *NODE blocks and {instances} instances, but one of each is read: "
-            "export one part, with its nodes in one block"
-        )
-    lines: list[str] = []
+    tables = list(_of_the_part(data))
+    places: Places = {}
+    lines = ["*NODE"]
+    for keyword, _, rows in tables:
+        if keyword == "NODE":
+            lines += _nodes(rows, places)
     numbers: list[str] = []
     sets: dict[str, list[str]] = {}
     names: dict[str, str] = {}
     for keyword, options, rows in tables:
         name = options.get("ELSET", "")
         names.setdefault(_label(name), name)
-        if keyword == "NODE":
-            lines += ["*NODE", *_nodes(rows)]
-        elif keyword == "ELEMENT":
-            table = _elements(options.get("TYPE", ""), rows)
+        if keyword == "ELEMENT":
+            table = _elements(options.get("TYPE", ""), rows, places)
             lines += table
             own = [row.partition(",")[0] for row in table[1:]]
             numbers += own
             sets.setdefault(_label(name), []).extend(own)
-        elif keyword == "INSTANCE" and rows:
-            raise ReadError(
-                "its *INSTANCE moves the part, which is not read: export the part by itself", code="not_read"
-            )
     known = np.array(numbers, np.int64)
     for keyword, options, rows in tables:
         if keyword == "ELSET":
@@ -79,6 +89,35 @@ def plain_input(data: bytes) -> bytes:
         if members := _members(label, sets):
             lines += [f"*ELSET, ELSET={names[label]}", *members]
     return "\n".join([*lines, ""]).encode()
+
+
+def _of_the_part(data: bytes) -> Iterator[Table]:
+    """Yield the tables of the one part; nodes of the assembly's own, which are reference points, are left out."""
+    scope, parts, instances = "", set[str](), 0
+    for keyword, options, rows in _tables(data):
+        if keyword in _ENDS:
+            scope = _ENDS[keyword]
+        elif keyword in _SCOPES:
+            scope = f"{keyword} {options.get('NAME', '')}" if keyword != "ASSEMBLY" else keyword
+            instances += keyword == "INSTANCE"
+            if keyword == "INSTANCE" and rows:
+                raise ReadError(
+                    "its *INSTANCE moves the part, which is not read: export the part by itself", code="not_read"
+                )
+        elif scope == "ASSEMBLY" and keyword == "ELEMENT":
+            raise ReadError(
+                "its *ASSEMBLY has elements of its own, which are not read: export one part by itself", code="not_read"
+            )
+        elif scope != "ASSEMBLY" or keyword != "NODE":
+            if keyword == "NODE":
+                parts.add(scope)
+            yield keyword, options, rows
+    if len(parts) > 1 or instances > 1:
+        raise ReadError(
+            f"it has {plural(len(parts), 'part')} and {plural(instances, 'instance')}, but one of each is read: export "
+            "one part by itself",
+            code="not_read",
+        )
 
 
 def _label(name: str) -> str:
@@ -102,7 +141,7 @@ def _members(label: str, sets: dict[str, list[str]]) -> list[str]:
     return [*members]
 
 
-def _tables(data: bytes) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:
+def _tables(data: bytes) -> Iterator[Table]:
     """Yield each keyword that counts, its options, and the fields of each line below it."""
     stripped = (line.strip() for line in data.splitlines())
     lines = [line.decode("utf-8", "replace") for line in stripped if line and not line.startswith(b"**")]
@@ -131,9 +170,8 @@ def _tables(data: bytes) -> Iterator[tuple[str, dict[str, str], list[list[str]]]
             yield keyword, options, rows
 
 
-def _nodes(rows: list[list[str]]) -> Iterator[str]:
-    """Yield nodes with their coordinates, behind which the direction of a normal may stand."""
-    places: dict[str, tuple[float, ...]] = {}
+def _nodes(rows: list[list[str]], places: Places) -> Iterator[str]:
+    """Yield nodes that are not in `places`, and take them in; behind their coordinates a normal may stand."""
     width = 0
     for row in rows:
         fields = row if row[-1] else row[:-1]
@@ -149,7 +187,7 @@ def _nodes(rows: list[list[str]]) -> Iterator[str]:
             yield ",".join([number, *place])
 
 
-def _elements(kind: str, rows: list[list[str]]) -> list[str]:
+def _elements(kind: str, rows: list[list[str]], places: Places) -> list[str]:
     """Return a table of elements, one a line, under the name that meshio has for their type."""
     alike = (item for item in _TYPES.items() if re.fullmatch(item[1][1], kind.upper()))
     name, (count, _) = next(alike, ("", (0, "")))
@@ -171,9 +209,28 @@ def _elements(kind: str, rows: list[list[str]]) -> list[str]:
                 f"{count}: it was cut short or damaged",
                 code="cut_short",
             )
-        lines.append(",".join(whole(f"element {shown(fields[0])}", field) for field in fields))
+        element = [whole(f"element {shown(fields[0])}", field) for field in fields]
+        lines.append(",".join(_ends_first(element, places) if name == _MIDDLE_SECOND else element))
         fields = []
     return lines
+
+
+def _ends_first(element: list[str], places: Places) -> list[str]:
+    """Return a rod of three nodes with the middle one as the last; raise `ReadError` where it is not between the ends.
+
+    Some programs write the middle node as the last.
+    """
+    number, *nodes = element
+    if all(node in places for node in nodes):
+        start, middle, end = (np.array(places[node]) for node in nodes)
+        with np.errstate(all="ignore"):
+            share = (middle - start) @ (end - start) / ((end - start) @ (end - start))
+        if share < _BETWEEN[0] or share > _BETWEEN[1]:
+            raise ReadError(
+                f"the second of the three nodes of its element {number} is not in the middle between the others: give "
+                "the nodes as end, middle, end"
+            )
+    return [number, nodes[0], nodes[2], nodes[1]]
 
 
 def _range(row: list[str], known: Int) -> list[str]:

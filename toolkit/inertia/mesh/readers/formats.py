@@ -43,7 +43,9 @@ FORMATS = {
     "xaml": Format((".xaml",), rb"(?s)\s*<.*schemas\.microsoft\.com/winfx/", "xaml", "read_xaml"),
     "vtk": Format((".vtk",), rb"# vtk DataFile", "meshio", "read_with_meshio"),
     "vtu": Format((".vtu",), rb"(?s)\s*<(?:.*<)?VTKFile\b", "meshio", "read_with_meshio"),
-    "gmsh": Format((".msh",), rb"(?s)\s*(?:\$Comments\b.*?\$EndComments\s*)?\$MeshFormat\b", "gmsh", "read_gmsh"),
+    "gmsh": Format(
+        (".msh",), rb"(?s)\s*(?:\$Comments\b.*?\$EndComments\s*)?\$(?:MeshFormat|NOD)\b", "gmsh", "read_gmsh"
+    ),
     "mujoco": Format((".msh",), None, "msh", "read_mujoco_msh"),  # known by its size; by its name it is Gmsh
     "nastran": Format(
         (".nas", ".bdf", ".fem"), rb"(?si)(?:.*\n)?[ \t]*BEGIN[ \t]+BULK\b", "meshio", "read_with_meshio"

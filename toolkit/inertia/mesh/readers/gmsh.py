@@ -22,6 +22,7 @@ from inertia.mesh.readers.decimals import rounding_of
 from inertia.mesh.readers.gmsh_sections import FORMAT, TYPES, Group, MshFile, Section, nodes_of
 
 _OLD, _NEW = ("2", "2.1", "2.2"), ("4.1",)
+_FIRST = re.compile(rb"^\$NOD\s", re.MULTILINE)
 _NAME = re.compile(rb'(\d)\s+(\d{1,9})\s+"([^"\r\n]*)"')
 
 
@@ -30,7 +31,7 @@ def read_gmsh(path: Path) -> Contents:
     data = path.read_bytes().removeprefix(BOM_UTF8)
     header = FORMAT.search(data)
     if header is None:
-        raise ReadError("its $MeshFormat section is damaged: export it again")
+        raise _unknown(data)
     version = header[1].decode("ascii", "replace")
     if version not in (*_OLD, *_NEW):
         named = "4.0" if version == "4" else version
@@ -64,6 +65,17 @@ def read_gmsh(path: Path) -> Contents:
         return contents
     rounding = rounding_of(points, lambda: file.section("Nodes") or b"", lambda: _coordinates(path))
     return replace(contents, rounding=rounding)
+
+
+def _unknown(data: bytes) -> ReadError:
+    """Return what is wrong with a file whose version cannot be read."""
+    if _FIRST.search(data):
+        return ReadError("it is MSH 1, but 2.2 and 4.1 are read: save it as one of these", code="not_read")
+    if b"$MeshFormat" not in data:
+        return ReadError(
+            "it has no section $MeshFormat: it is no MSH file of Gmsh, or was cut short", code="wrong_format"
+        )
+    return ReadError("its $MeshFormat section is damaged: export it again")
 
 
 def _coordinates(path: Path) -> list[bytes]:

@@ -1,5 +1,6 @@
-"""Medit: tables that meshio reads otherwise, or not, refused; those that say nothing of a body left out.
+"""Medit: keywords and counts on lines of their own, as meshio needs them, though any white space may part them.
 
+Tables that meshio reads otherwise, or not, are refused; those that say nothing of a body are left out.
 Source: libMeshb, "The Gamma Mesh Format"; MMG and BAMG write the tables that are left out.
 """
 
@@ -11,6 +12,10 @@ from inertia.errors import ReadError
 from inertia.mesh.readers.contents import shown
 
 _END = re.compile(rb"^[ \t]*End\b", re.MULTILINE)
+_KEYWORD = re.compile(rb"(?<!\S)([A-Z][A-Za-z]+)\s+(\d+)(?!\S)")
+_IN_ONE_LINE = (b"MeshVersionFormatted", b"Dimension")
+_AS_2 = (b"3", b"4")  # which differ from version 2 in how binary files store whole numbers alone
+_LAST_END = re.compile(rb"[ \t]+(End\s*)\Z")
 _TABLE = re.compile(rb"^[ \t]*([A-Z][A-Za-z]+)\s+\d", re.MULTILINE)
 _CURVED = re.compile(
     rb"^[ \t]*((?:Edges|Triangles|Quadrilaterals|Tetrahedra|Hexahedra|Prisms|Pyramids)[PQ]\d)\b", re.MULTILINE
@@ -34,7 +39,23 @@ _COMMENT = re.compile(rb"#[^\r\n]*")
 _MOST = 6  # numbers without a count, of a bounding box
 
 
-def check_medit(data: bytes) -> None:
+def plain_medit(data: bytes) -> bytes:
+    """Return a file without comments and without the tables that say nothing of its bodies."""
+    lines = _COMMENT.sub(b"", data).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    plain = _LAST_END.sub(rb"\n\1", _KEYWORD.sub(_apart, lines))
+    _check(plain)
+    return _ASIDE_TABLE.sub(_left_out, plain)
+
+
+def _apart(keyword: re.Match[bytes]) -> bytes:
+    """Return a keyword, with what stands behind it, on lines of its own."""
+    name, number = keyword.groups()
+    if name == b"MeshVersionFormatted" and number in _AS_2:
+        number = b"2"
+    return b"\n%s%s%s\n" % (name, b" " if name in _IN_ONE_LINE else b"\n", number)
+
+
+def _check(data: bytes) -> None:
     """Refuse what was cut short, cells of higher order and tables that are there twice."""
     end = _END.search(data)
     if end is not None and data[end.end() :].strip():
@@ -47,11 +68,6 @@ def check_medit(data: bytes) -> None:
     tables = _TABLE.findall(data)
     if len(set(tables)) < len(tables):
         raise ReadError("it has a table twice: export it again")
-
-
-def plain_medit(data: bytes) -> bytes:
-    """Return a file without comments and without the tables that say nothing of its bodies."""
-    return _ASIDE_TABLE.sub(_left_out, _COMMENT.sub(b"", data))
 
 
 def _left_out(table: re.Match[bytes]) -> bytes:

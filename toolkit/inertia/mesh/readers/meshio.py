@@ -164,7 +164,7 @@ def _writes_decimals(path: Path, kind: str) -> bool:
 
 
 def _ends(path: Path) -> bool:
-    return any(line.split()[:1] == [b"End"] for line in path.read_bytes()[-4096:].splitlines())
+    return any(b"End" in line.partition(b"#")[0].split() for line in path.read_bytes()[-4096:].splitlines())
 
 
 def _mesh(path: Path, kind: str) -> Any:

@@ -1,6 +1,7 @@
 """Nastran's bulk data: cards in small, large or free fields over several lines, as one line of free fields each.
 
-A line continues the card before it where its first field is blank, or begins with + or *. A blank coordinate is 0.
+A line continues another where its first field is blank, or begins with + or *: that whose last field has its name,
+wherever it stands, else the one before it (see `inertia.mesh.readers.nastran_cards`). A blank coordinate is 0.
 Where an element has some of its midside nodes, the others are in the middles of their edges, whose decimals are exact;
 without any it is of first order. What stands behind the nodes of shells and rods (angles, thicknesses, orientations,
 offsets) is left aside; springs, dampers, gaps and point masses have no material, and are left out with a note.
@@ -9,11 +10,11 @@ offsets) is left aside; springs, dampers, gaps and point masses have no material
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from decimal import Decimal, localcontext
 
 from inertia.errors import ReadError
 from inertia.mesh.readers.contents import plural, shown, was
+from inertia.mesh.readers.nastran_cards import cards_of
 
 _LINES = re.IGNORECASE | re.MULTILINE
 BEGIN = re.compile(rb"^[ \t]*BEGIN[ \t]+BULK[^\n]*\n?", _LINES)
@@ -69,7 +70,7 @@ def plain_bulk_data(data: bytes, elements: frozenset[bytes]) -> tuple[bytes, lis
     lines, cards = [], []
     left_out = dict.fromkeys(_LEFT_OUT, 0)
     offsets = 0
-    for name, fields in _cards(data[begin.end() : end.start()].decode("latin-1")):
+    for name, fields in cards_of(data[begin.end() : end.start()].decode("latin-1")):
         if name == "GRID":
             number = whole(f"GRID {shown(fields[0])}", fields[0])
             if len(fields) < 5:
@@ -100,44 +101,6 @@ def plain_bulk_data(data: bytes, elements: frozenset[bytes]) -> tuple[bytes, lis
             f"the offset of {plural(offsets, 'shell')} from {'its' if offsets == 1 else 'their'} nodes was left out"
         )
     return "\n".join(["BEGIN BULK", *lines, "ENDDATA", ""]).encode("latin-1"), notes
-
-
-def _cards(text: str) -> Iterator[tuple[str, list[str]]]:
-    """Yield the name of each card, without its asterisk, and its fields, at least 4."""
-    name, fields = "", list[str]()
-    for line in text.splitlines():
-        if not line.strip() or line.startswith(("$", "//", "#")):
-            continue
-        first, more = _fields(line)
-        if not first or first[0] in "+*":
-            if not name:
-                raise ReadError(f"its line {shown(line.strip())} continues no card: export the mesh again")
-            fields += more
-            continue
-        if line[0].isspace():
-            raise ReadError(f"its line {shown(line.strip())} begins with blanks: write its name in the first column")
-        if name:
-            yield name, fields
-        name, fields = first.removesuffix("*").upper(), more
-    if name:
-        yield name, fields
-
-
-def _fields(line: str) -> tuple[str, list[str]]:
-    """Return the first field of a line, and those with data, blank where the line is too short for them."""
-    if "," in line:
-        first, *rest = (field.strip() for field in line.split(","))
-        large = first.startswith("*") or first.endswith("*")
-        count = 4 if large else 8
-        if len(rest) == count + 1 and (not rest[-1] or rest[-1][0] in "+*"):  # the name of the line that follows
-            del rest[-1]
-    else:
-        line = line.expandtabs(8)
-        first = line[:8].strip()
-        large = first.startswith("*") or first.endswith("*")
-        count, width = (4, 16) if large else (8, 8)
-        rest = [line[8 + width * k : 8 + width * (k + 1)].strip() for k in range(count)]
-    return first, rest + [""] * (count - len(rest))
 
 
 def _nodes(

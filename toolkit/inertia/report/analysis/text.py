@@ -15,6 +15,7 @@ from inertia.mass.analysis import Analysis
 from inertia.mass.integrand import ELEMENTS
 from inertia.mass.integration import TrueShape
 from inertia.mass.principal import radii_of_gyration
+from inertia.mass.properties import MassProperties
 from inertia.report.analysis.document import relative_bounds
 from inertia.report.numerals import cleared, columns, number, power, row
 
@@ -197,7 +198,7 @@ def _principal(analysis: Analysis) -> list[str]:
     bounds = principal.moment_bounds.tolist()
     moments = [cleared(value, bound) for value, bound in zip(principal.moments.tolist(), bounds, strict=True)]
     radii = radii_of_gyration(moments, mass).tolist()
-    semi = ", ".join(number(value) for value in analysis.properties.equivalent_ellipsoid.tolist())
+    semi = ", ".join(map(number, _semi_axes(analysis.properties)))
     lines = [f"{'Principal':<10}{'moment, kg m²':>18}{'gyration, m':>18}{'axis x':>14}{'y':>14}{'z':>14}"]
     for k, (moment, radius) in enumerate(zip(moments, radii, strict=True)):
         axis = "".join(f"{round(value, 9) + 0.0:>14.9f}" for value in principal.axes[:, k].tolist())
@@ -209,6 +210,18 @@ def _principal(analysis: Analysis) -> list[str]:
         row("", f"moments count as equal within {principal.tolerance:g} of the largest"),
         row("Equivalent", f"ellipsoid of semi-axes {semi} m along axes 1, 2, 3"),
     ]
+
+
+def _semi_axes(properties: MassProperties) -> list[float]:
+    """Return the semi-axes of the equivalent ellipsoid, 0 where ∫x² dm along the axis cannot be told from zero.
+
+    That integral is a part of either moment about the other axes, so that what either is off by bounds its error.
+    """
+    bounds = properties.principal.moment_bounds
+    least = np.minimum(np.roll(bounds, -1), np.roll(bounds, 1))
+    told = properties.principal.second_moments > least
+    semi_axes: list[float] = np.where(told, properties.equivalent_ellipsoid, 0.0).tolist()
+    return semi_axes
 
 
 def _angle(bound: float) -> str:
