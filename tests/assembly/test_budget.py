@@ -218,6 +218,21 @@ def test_a_bill_s_brackets_within_brackets_are_no_list() -> None:
         Assembly.loads(f"name,mass,center_of_mass\na,1,{'[' * 3000}\n", name="bill.csv")
 
 
+@pytest.mark.parametrize("comment", ["# export", "#\texport", "#,parts, 2026", '"#",parts', "# name"])
+@pytest.mark.parametrize("delimiter", ",;\t")
+def test_comments_stand_before_the_columns_of_a_bill(comment: str, delimiter: str) -> None:
+    text = f"{comment}\n\nname;shape;mass\n#1;point;2\n".replace(";", delimiter)
+    for name in ("bill.csv", "-"):
+        (part,) = Assembly.loads(text, name=name).fields.part
+        assert (part.name, part.mass) == ("#1", 2)
+
+
+def test_a_column_of_numbers_in_a_bill_is_no_comment() -> None:
+    for name in ("bill.csv", "-"):
+        with pytest.raises(UsageError, match=r"part\[0\]\.# is unknown: use name"):
+            Assembly.loads("#,name,mass\n1,bolt,2\n", name=name)
+
+
 def test_a_bill_may_list_lists() -> None:
     text = "name;shape;size;at;material\nbox, large;box;[10,20,30];[1, 2, 0];steel\n"
     assert Assembly.loads(text, name="bill.csv").fields.part[0].name == "box, large"

@@ -25,7 +25,7 @@ from inertia.standard_input import reason_of
 
 SUFFIXES = (".parquet", ".csv", ".jsonl")
 _HALVES = re.compile("[\ud800-\udfff]")  # of pairs, as Python has bytes of names that are no UTF-8
-_COMMENT = re.compile(r'\s*"?#(?!"?[,;\t]+\s*\w)')  # a line that begins so; # alone may be the first of several cells
+_COMMENT = re.compile(r'\s*"?#')  # a line that begins so
 _ROWS = 65_536  # in a group of Parquet's
 _ARROW = {"text": "string", "integer": "int64", "number": "float64", "truth": "bool_"}
 
@@ -85,7 +85,7 @@ class Headed(NamedTuple):
     rows: Iterator[tuple[int, dict[str, str]]]
 
 
-def headed(text: str, *, comments: bool = False) -> Headed:
+def headed(text: str, *, key: str | None = None) -> Headed:
     r"""Return what stands in a table in CSV, whose first line names the columns.
 
     Commas, semicolons or tabs part the cells, whichever stands most often in the line of the columns; empty lines are
@@ -93,18 +93,18 @@ def headed(text: str, *, comments: bool = False) -> Headed:
 
     Parameters
     ----------
-    comments : lines that begin with # are passed over below the columns too; otherwise a cell may begin so
+    key : a column of a table in which cells may begin with #, the first column too where that line names the key; in
+        a table without one, lines that begin with # are passed over below the columns too
 
     Raises `ReadError` where a column is named twice, and as the rows go on where a cell has no column.
 
-    >>> table = headed("# export; 2\nRun,Part No,\n#1,7,\n\nb\n")
+    >>> table = headed("#,export; 2\nName,Part No,\n#1,7,\n\nb\n", key="name")
     >>> table.columns, table.delimiter, list(table.rows)
-    (['run', 'part_no'], ',', [(3, {'run': '#1', 'part_no': '7'}), (5, {'run': 'b'})])
+    (['name', 'part_no'], ',', [(3, {'name': '#1', 'part_no': '7'}), (5, {'name': 'b'})])
     """
-    lines = list(io.StringIO(text, newline=""))
-    aside = [_COMMENT.match(line) for line in lines]
-    start = next((k for k, line in enumerate(lines) if line.strip() and not aside[k]), 0)
-    kept = ["\n" if aside[k] and (comments or k < start) else line for k, line in enumerate(lines)]
+    lines = _lines(text)
+    start = _first(lines, key)
+    kept = ["\n" if k < start or (key is None and _COMMENT.match(line)) else line for k, line in enumerate(lines)]
     delimiter = max(",;\t", key="".join(lines[start : start + 1]).count)
     rows = _rows_of(kept, delimiter)
     columns = [name.lower().replace(" ", "_") for name in next(rows, (0, []))[1]]
@@ -114,6 +114,31 @@ def headed(text: str, *, comments: bool = False) -> Headed:
         columns.pop()
     named = [name for name in columns if name]
     return Headed(named, delimiter, ((line, _by_column(line, cells, columns)) for line, cells in rows))
+
+
+def has_column(text: str, key: str) -> bool:
+    """Say whether the line in which `headed` looks for columns names this one, and is none of TOML."""
+    lines = _lines(text)
+    line = "".join(lines[(start := _first(lines, key)) : start + 1])
+    return "=" not in line and key in _cells(line)
+
+
+def _lines(text: str) -> list[str]:
+    return list(io.StringIO(text, newline=""))
+
+
+def _first(lines: Sequence[str], key: str | None) -> int:
+    """Return which line names the columns: the first that is neither empty nor a comment."""
+
+    def comment(line: str) -> bool:
+        return bool(_COMMENT.match(line)) and not (_cells(line)[0] == "#" and key in _cells(line))
+
+    return next((k for k, line in enumerate(lines) if line.strip() and not comment(line)), 0)
+
+
+def _cells(line: str) -> list[str]:
+    """Return the names that may be parted in a line, whatever parts them."""
+    return [cell.strip(' "\r\n').lower() for cell in re.split("[,;\t]", line)]
 
 
 def _rows_of(lines: Iterable[str], delimiter: str) -> Iterator[tuple[int, list[str]]]:

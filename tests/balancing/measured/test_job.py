@@ -177,6 +177,9 @@ def test_readings_of_the_job_beside_a_table_are_named_by_their_place(tmp_path):
     [
         "\ufeffRun;Sensor;Amplitude;Phase\n# trial; 1, 2, 3, 4, 5\n0;A;5.0;30\n\n1;A;8.0;60\n",
         "# analyser export, 2026-11-20\r\nrun;sensor;amplitude;phase\r\n0;A;5.0;30\r\n1;A;8.0;60\r\n",
+        "#\tanalyser export, 2026-11-20\nrun,sensor,amplitude,phase\n0,A,5.0,30\n#\tignored\n1,A,8.0,60\n",
+        "#,analyser export,,\nrun,sensor,amplitude,phase\n#,0,A,7,30\n0,A,5.0,30\n1,A,8.0,60\n#,door was open,,\n",
+        "run;sensor;amplitude;phase\n0;A;5.0;30\n1;A;8.0;60\n#;door was open in the last run;;\n",
         '\n"# export; rev 2"\nrun,sensor,amplitude,phase,\n0,A,5.0,30,\n1,A,8.0,60\n',
         "run\tsensor\tamplitude\tphase\r0\tA\t5.0\t30\r1\tA\t8.0\t60\r",
         "run, sensor, amplitude, phase\n0, A, 5.0, 30\n1, A, 8.0, 60\n",

@@ -7,6 +7,7 @@ from itertools import combinations_with_replacement, product
 
 import numpy as np
 import pytest
+import scipy.optimize
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -24,6 +25,13 @@ def mass(pieces):
 
 def degrees(*angles):
     return [math.radians(angle) for angle in angles]
+
+
+def left_without(pieces, vector):
+    """Return the least that any choice of fewer of the weights leaves, by all there are."""
+    single = [piece.vector / piece.pieces for piece in pieces for _ in range(piece.pieces)]
+    kept = np.indices([2] * len(single)).reshape(len(single), -1).T[:-1]
+    return float(np.abs(kept @ np.array(single) - vector).min())
 
 
 def test_case_9_one_weight_a_hole():
@@ -149,6 +157,71 @@ def test_of_a_kit_no_choice_within_the_limit_is_nearer(
     pieces = split_among(vector, angles, most_in_all=cap, kit=kit, most_pieces=most)
     assert mass(pieces) <= cap * (1 + 1e-5)
     assert abs(whole(pieces) - vector) <= nearest + 2e-5 * max(weight.mass for weight in kit)
+
+
+@pytest.mark.parametrize(("count", "limit"), [(4, 8.0), (6, 8.0), (8, 8.0), (4, math.inf), (6, math.inf)])
+@pytest.mark.parametrize("enough", [0.0, 0.3])
+def test_of_a_kit_no_weights_are_opposed_where_one_is_too_heavy(count: int, limit: float, enough: float) -> None:
+    """Of 1 g, 3 g leave more at any position, and two opposed ones as much as none."""
+    places = degrees(*(360 * k / count for k in range(count)))
+    for angle in np.arange(1.5, 360, 9):
+        vector = cmath.rect(1.0, math.radians(angle))
+        assert split_among(vector, places, most_in_all=limit, kit=[KitWeight("3", 3.0, None)], enough=enough) == ()
+
+
+@settings(deadline=None, max_examples=80)
+@given(
+    st.integers(2, 8),
+    st.sampled_from([0.0, 0.3]),
+    st.lists(st.sampled_from([0.5, 1.0, 1.5, 2.0, 2.9, 3.0, 5.8]), min_size=1, max_size=3, unique=True),
+    st.integers(1, 2),
+    st.complex_numbers(max_magnitude=12.0),
+    st.floats(0.4, 12.0),
+    st.sampled_from([0.0, 0.5]),
+)
+def test_of_a_kit_no_weights_are_mounted_that_can_be_left_out(
+    count: int, turn: float, sizes: list[float], most: int, vector: complex, cap: float, enough: float
+) -> None:
+    """Against all choices of fewer of them; within the limit, against all choices there are too."""
+    angles = [turn + 2 * math.pi * k / count for k in range(count)]
+    kit = [KitWeight(f"{size} g", size, None) for size in sizes]
+    for limit in (cap, math.inf):
+        pieces = split_among(vector, angles, most_in_all=limit, kit=kit, most_pieces=most, enough=enough)
+        number = sum(piece.pieces for piece in pieces)
+        if 0 < number <= 12:
+            assert left_without(pieces, vector) > abs(whole(pieces) - vector) + 1e-12
+        if limit < math.inf and count <= 4 and not enough:
+            at_one = np.array([k for k in product(range(most + 1), repeat=len(kit)) if sum(k) <= most])
+            choices = np.indices([len(at_one)] * count).reshape(count, -1).T
+            masses = (at_one @ sizes)[choices]
+            within = masses.sum(axis=1) <= cap
+            left = np.abs(masses[within] @ np.exp(1j * np.array(angles)) - vector)
+            numbers = at_one.sum(axis=1)[choices][within].sum(axis=1)
+            assert abs(whole(pieces) - vector) <= left.min() + 1e-7
+            assert number == numbers[left <= left.min() + 1e-10].min()
+
+
+@pytest.mark.parametrize(
+    ("masses", "most", "limit"),
+    [([0.01, 0.013], 1000, 9.0), (np.linspace(0.5, 15, 30), 1, 9.95), (np.linspace(0.5, 15, 30), 1, 12.0)],
+)
+def test_a_fine_kit_within_a_limit_is_searched_for_a_second_only(masses, most, limit, monkeypatch) -> None:
+    """By what the solver is asked, as no clock is the same twice."""
+    solve, asked = scipy.optimize.milp, []
+
+    def counted(cost, **more):
+        solution = solve(cost, **more)
+        asked.append(len(cost) * (solution.mip_node_count or 0))
+        return solution
+
+    monkeypatch.setattr(scipy.optimize, "milp", counted)
+    kit = [KitWeight(f"{mass:g} g", float(mass), None) for mass in masses]
+    vector, places = cmath.rect(10.0, 0.64), degrees(*range(0, 360, 5))
+    pieces = split_among(vector, places, most_in_all=limit, kit=kit, most_pieces=most, enough=0.0075)
+    assert mass(pieces) <= limit * (1 + 1e-6)
+    assert abs(whole(pieces) - vector) <= max(10.0 - limit, 0.0) + 0.6
+    assert len(asked) <= 3
+    assert sum(asked) <= 60_000
 
 
 @settings(deadline=None, max_examples=60)

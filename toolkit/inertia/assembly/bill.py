@@ -8,7 +8,7 @@ from typing import Any, get_type_hints
 from inertia.assembly.fields import PartFields
 from inertia.documents import toml_table
 from inertia.errors import ReadError
-from inertia.tables import cell_text, headed
+from inertia.tables import cell_text, has_column, headed
 
 _DECIMAL_COMMA = re.compile(r"\d,\d")
 _THOUSANDS = re.compile(r"(?<!\d)[1-9]\d{0,2}(?:,\d{3})+(?!\d)")
@@ -20,9 +20,7 @@ def is_bill(text: str) -> bool:
 
     Comments may stand before it.
     """
-    lines = (line for line in map(str.strip, text.split("\n")) if line and not line.startswith("#"))
-    first = next(lines, "")
-    return "=" not in first and "name" in (cell.strip(' "\r').lower() for cell in re.split("[,;\t]", first))
+    return has_column(text, "name")
 
 
 def parts_of(text: str) -> list[dict[str, Any]]:
@@ -36,7 +34,7 @@ def parts_of(text: str) -> list[dict[str, Any]]:
     >>> parts_of("name;quantity;at\\nbolt;4;[1, 2, 0.5]\\n")
     [{'name': 'bolt', 'quantity': 4, 'at': [1, 2, 0.5]}]
     """
-    table = headed(text)
+    table = headed(text, key="name")
     if "name" not in table.columns:
         raise ReadError("its first line names no column `name`: a bill of materials has a row a part", code="table")
     words = {name for name, kind in get_type_hints(PartFields).items() if kind in (str, str | None)}

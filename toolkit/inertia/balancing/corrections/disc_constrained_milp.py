@@ -22,11 +22,30 @@ Complex = NDArray[np.complex128]
 _DIRECTIONS = 8
 _ROUNDS = 200
 _OPTIMAL, _INFEASIBLE = 0, 2  # of scipy's milp
+_ROOT = 130  # nodes of the tree that its root takes as long as
 _INSIDE = 2e-6  # what HiGHS takes for satisfied, doubled; numbers are of the order of 1
 
 
 class UnsettledError(Exception):
     """A program's search did not end within its nodes."""
+
+
+class Effort:
+    """What searches may spend together, in nodes times variables, so that it is the same on every machine."""
+
+    def __init__(self, most: int) -> None:
+        self._left = most
+
+    def nodes(self, variables: int) -> int:
+        """Return how many nodes below the root are left to a search; raise `UnsettledError` where none is."""
+        nodes = self._left // variables - _ROOT
+        if nodes < 1:
+            raise UnsettledError
+        return nodes
+
+    def spend(self, variables: int, nodes: int) -> None:
+        """Take off what a search took."""
+        self._left -= variables * (_ROOT + nodes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +62,7 @@ class Program:
     integral : (n,), 1 for whole numbers
     rows : triples of coefficients (n,), least and greatest
     nodes : of the tree of choices that are looked at between two tangents; all without it
+    effort : what all rounds have together with those of other programs; without it, nothing ends them but `nodes`
     """
 
     effects: Complex
@@ -54,11 +74,12 @@ class Program:
     rows: Sequence[tuple[Float, float, float]] = ()
     lower: Float | None = None
     nodes: int | None = None
+    effort: Effort | None = None
 
     def least(self, cost: ArrayLike) -> Float | None:
         """Return the x (n,) of least cost, None where no x is allowed.
 
-        Raises `UnsettledError` where `nodes` are not enough, `GeometryError` where the search does not end.
+        Raises `UnsettledError` where `nodes` or `effort` are not enough, `GeometryError` where the search does not end.
         """
         from scipy.optimize import Bounds, LinearConstraint, milp
 
@@ -73,15 +94,20 @@ class Program:
                 matrix.append((turn * self.effects[disc]).real - self.reach[disc])
                 low.append(-np.inf)
                 high.append(float(self.radii[disc] - (turn * self.start[disc]).real))
+            options: dict[str, float] = {"mip_rel_gap": 0.0}
+            if (nodes := self._nodes(count)) is not None:
+                options["node_limit"] = nodes
             with quiet_stdout():
                 solution = milp(
                     cost,
                     integrality=self.integral,
                     bounds=bounds,
                     constraints=LinearConstraint(np.array(matrix), low, high),
-                    options={"mip_rel_gap": 0.0} | ({} if self.nodes is None else {"node_limit": self.nodes}),
+                    options=options,
                 )
-            if self.nodes is not None and solution.status not in (_OPTIMAL, _INFEASIBLE):
+            if self.effort is not None:
+                self.effort.spend(count, int(solution.mip_node_count or 0))
+            if nodes is not None and solution.status not in (_OPTIMAL, _INFEASIBLE):
                 raise UnsettledError
             if solution.x is None:
                 return None
@@ -92,3 +118,7 @@ class Program:
                 return x
             cuts = [(int(disc), complex(np.exp(-1j * np.angle(vectors[disc])))) for disc in outside]
         raise GeometryError(f"the choice of weights did not settle in {_ROUNDS} rounds: allow fewer positions")
+
+    def _nodes(self, variables: int) -> int | None:
+        left = [] if self.effort is None else [self.effort.nodes(variables)]
+        return min([*left, *([] if self.nodes is None else [self.nodes])], default=None)

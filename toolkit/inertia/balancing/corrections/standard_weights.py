@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from inertia.arrays import Float, Int
 from inertia.balancing.corrections.correction_plane import CorrectionPlane, KitWeight, angle_of
-from inertia.balancing.corrections.disc_constrained_milp import Complex, Program, UnsettledError
+from inertia.balancing.corrections.disc_constrained_milp import Complex, Effort, Program, UnsettledError
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.corrections.tool import Tool
 from inertia.records import dataclass
@@ -109,6 +109,7 @@ def choose_weights(
     free: ArrayLike | None = None,
     aim: Literal["fewest", "smallest"] = "fewest",
     largest: ArrayLike = math.inf,
+    effort: Effort | None = None,
 ) -> WeightChoice:
     """Choose weights.
 
@@ -122,6 +123,7 @@ def choose_weights(
     free : (t, f) complex, what a unit correction in planes without steps adds: those make up for what weights leave
     aim : "fewest" weights within the limits, or "smallest" residual; the latter also where no choice is within
     largest : (t,) sizes of what the weights may add, in the same unit
+    effort : what the searches for the smallest residual have together; without it, each its own
 
     >>> turns = np.exp(1j * np.radians([0, 90, 180, 270]))
     >>> choice = choose_weights([10 * turns], [-20 - 9j], [2.0], [3] * 4)
@@ -142,6 +144,7 @@ def choose_weights(
         np.asarray(most, float),
         tuple(groups),
         np.divide(np.broadcast_to(largest, tolerances.shape), scale),
+        effort,
     )
     solution = program.fewest((1 - _SAFE) / unit) if aim == "fewest" else None
     if solution is None:
@@ -162,6 +165,7 @@ class _WeightProgram:
     most: Float
     groups: tuple[tuple[Sequence[int], int], ...]
     largest: Float
+    effort: Effort | None
 
     def fewest(self, tolerance: float, nodes: int | None = None) -> Float | None:
         """Return the fewest weights within the tolerance, and of those the smallest residual."""
@@ -238,6 +242,7 @@ class _WeightProgram:
             integral=self._number,
             rows=(*capped, *rows),
             nodes=nodes,
+            effort=None if nodes is None else self.effort,
         )
 
 

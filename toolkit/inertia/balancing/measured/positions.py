@@ -11,6 +11,7 @@ import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.balancing.corrections.correction_plane import KitWeight, angle_of
+from inertia.balancing.corrections.disc_constrained_milp import Effort
 from inertia.balancing.corrections.standard_weights import choose_weights
 from inertia.balancing.unbalance import Complex
 from inertia.records import dataclass
@@ -25,6 +26,7 @@ _OVER = 1e-6  # of a limit: what a correction that keeps it was rounded by
 _LISTED = 200_000  # choices of weights that are listed at once
 _MANY = 32  # weights, whose choices are not listed any more
 _AT_ONCE = 4096  # of the choices found, looked at together
+_EFFORT = 60_000  # of the search that follows where choices are too many to be listed: about a second
 _NEIGHBOURS = 8  # pairs of weights tried for what others leave, the nearest first
 
 
@@ -220,6 +222,7 @@ def _of_kit(
     if counts is None:
         most_of = [int(min(most, weight.most)) for _, weight in slots]
         counts = _smallest(vector, np.array(effects), most_of, groups, limit)
+    counts = _without_idle(vector, np.array(effects), counts)
     return tuple(
         Piece(angle, count * weight.mass, weight.name, count)
         for (angle, weight), count in zip(slots, counts.tolist(), strict=True)
@@ -237,8 +240,16 @@ def _smallest(
     heaviest = float(np.abs(effects).max())
 
     def chosen(*more: tuple[Sequence[int], int]) -> Int:
-        capped, largest = [*groups, *more], [limit]
-        return choose_weights([effects], [-vector], [heaviest], most, capped, aim="smallest", largest=largest).counts
+        return choose_weights(
+            [effects],
+            [-vector],
+            [heaviest],
+            most,
+            [*groups, *more],
+            aim="smallest",
+            largest=[limit],
+            effort=Effort(_EFFORT) if math.isfinite(limit) else None,
+        ).counts
 
     if not math.isfinite(limit):
         return chosen()
@@ -250,7 +261,7 @@ def _smallest(
     if others @ members[:, -1] > limit:
         # So many of the heaviest are within the limit, whatever they leave.
         others = chosen((range(len(effects)), int(limit / heaviest)))
-    return min(near, others, key=lambda counts: float(abs(counts @ effects - vector)))
+    return _better(vector, effects, near, others)
 
 
 def _fewest(
@@ -314,12 +325,12 @@ def _listed(vector: complex, effects: Complex, members: Float, caps: Float, near
 
 def _one_by_one(vector: complex, effects: Complex, members: Float, caps: Float) -> Int:
     """Return how many weights of each effect come near a vector, each in turn the one that leaves least."""
-    counts, left = np.zeros(len(effects), np.int64), abs(vector)
+    counts, left, rounding = np.zeros(len(effects), np.int64), abs(vector), _rounding_of(vector, effects)
     while True:
         off = np.abs(vector - counts @ effects - effects)
         off[(counts @ members + members > caps).any(axis=1)] = math.inf
         k = int(np.argmin(off))
-        if off[k] >= left:
+        if off[k] >= left - rounding:
             return counts
         counts[k] += 1
         left = float(off[k])
@@ -331,18 +342,49 @@ def _nearest(vector: complex, effects: Complex, members: Float, caps: Float, nea
     What mass is left of the limit brings a choice nearer by no more than that: it is given up where that does not make
     it nearer than those that are `near`.
     """
-    rows, used, best = np.zeros((1, 0), np.int64), np.zeros((1, len(caps))), near
-    left = float(abs(near @ effects - vector)) + _NOTHING * abs(vector)
+    rows, used, best = np.zeros((1, 0), np.int64), np.zeros((1, len(caps))), np.zeros(len(effects), np.int64)
     while len(rows):
         if len(rows) * len(effects) > _LISTED:
             return None
         rows, used = _with_one_more(rows, used, members, caps)
         off: Float = np.abs(vector - effects[rows].sum(axis=1))
-        if len(rows) and off.min() < left - _NOTHING * left:
-            best, left = np.bincount(rows[np.argmin(off)], minlength=len(effects)), float(off.min())
+        if len(rows):
+            best = _better(vector, effects, best, np.bincount(rows[np.argmin(off)], minlength=len(effects)))
+        left = min(abs(vector - counts @ effects) for counts in (best, near)) + _rounding_of(vector, effects)
         kept = off - (caps[-1] - used[:, -1]) < left
         rows, used = rows[kept], used[kept]
-    return best
+    return _better(vector, effects, best, near)
+
+
+def _without_idle(vector: complex, effects: Complex, counts: Int) -> Int:
+    """Return a choice without the weights that can be left out together without leaving more, as opposed ones.
+
+    Of choices of many weights, those of as few of them are tried as can be listed.
+    """
+    some = np.flatnonzero(counts)
+    rows, used = np.zeros((1, 0), np.int64), np.zeros((1, len(some)))
+    members, left = np.eye(len(some)), abs(vector - counts @ effects) + _rounding_of(vector, effects)
+    best, listed = counts, 0
+    while len(rows) and listed + (rows.shape[1] + 1) * len(rows) * len(some) <= _LISTED:
+        rows, used = _with_one_more(rows, used, members, counts[some].astype(float))
+        listed += rows.size
+        off = np.abs(vector - counts @ effects + effects[some][rows].sum(axis=1))
+        if len(rows) and off.min() <= left:
+            best = counts - np.bincount(some[rows[np.argmin(off)]], minlength=len(counts))
+    return counts if best is counts else _without_idle(vector, effects, best)
+
+
+def _better(vector: complex, effects: Complex, one: Int, other: Int) -> Int:
+    """Return the choice that leaves less of a vector; where that is a matter of rounding, the one of fewer weights."""
+    less = abs(vector - one @ effects) - abs(vector - other @ effects)
+    if abs(less) <= _rounding_of(vector, effects):
+        return min(one, other, key=lambda counts: int(counts.sum()))
+    return other if less > 0 else one
+
+
+def _rounding_of(vector: complex, effects: Complex) -> float:
+    """Return what differences of what choices leave are rounding."""
+    return _NOTHING * max(abs(vector), float(np.abs(effects).max()))
 
 
 def _with_one_more(rows: Int, used: Float, members: Float, caps: Float) -> tuple[Int, Float]:

@@ -24,7 +24,7 @@ def readings_of(file: Path) -> Iterator[tuple[str, str, ReadingFields]]:
     """
     note_input(file)
     try:
-        table = headed(text_of(file.read_bytes(), "save the table as CSV in UTF-8"), comments=True)
+        table = headed(text_of(file.read_bytes(), "save the table as CSV in UTF-8"))
         _require_columns(table.columns)
         rows = list(table.rows)
     except OSError as error:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import cmath
 import math
-import textwrap
+import re
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement, tostring
 
@@ -16,7 +16,9 @@ from markupsafe import Markup
 Point = tuple[float, float]
 
 _TEXT = 0.56  # mean width of a character, of the text's height
-_STRONG = 0.7  # of a heading, at most
+_STRONG = 0.74  # of a letter of a heading, at most, of the text's height, in the widest of the fonts
+_CAPITAL = 0.88  # likewise, and of signs such as + and ±
+_WIDE = 1.11  # likewise, of the widest, and of letters that are not Latin
 _LEADING = 1.2  # from line to line of a heading, of the text's height
 
 
@@ -73,7 +75,7 @@ class Canvas:
 
     def heading(self, text: str, y: float, *, size: float) -> None:
         """Write a heading in the middle, its last line at `y`: the picture grows upwards by what further lines take."""
-        lines = textwrap.wrap(text, max(1, int(self._width / (_STRONG * size))))
+        lines = _wrapped(text, self._width / size)
         above = _LEADING * size * (len(lines) - 1)
         self._root.set("viewBox", f"0 {_mm(-above)} {_mm(self._width)} {_mm(self._height + above)}")
         for k, line in enumerate(lines):
@@ -102,6 +104,34 @@ def rectangular(magnitude: float, angle: float) -> complex:
 def text_width(text: str, size: float) -> float:
     """Return about how wide a text is, mm."""
     return _TEXT * size * len(text)
+
+
+def heading_width(text: str, size: float) -> float:
+    """Return how wide a text in bold is at most, mm.
+
+    >>> round(heading_width("plane W", 1.0), 2)
+    5.55
+    """
+    return size * sum(map(_strong, text.strip()))
+
+
+def _strong(letter: str) -> float:
+    if letter in "MWmw%@" or ord(letter) > ord("ɏ"):
+        return _WIDE
+    return _CAPITAL if letter.isupper() or letter in "&+<=>^~#±×÷" else _STRONG
+
+
+def _wrapped(text: str, room: float) -> list[str]:
+    """Return lines of a text in bold that are no wider than so many heights; a word that is wider is cut."""
+    lines = [""]
+    for word in re.split(r"(?<=\s)|(?<=\w-)", text):
+        if heading_width(word, 1.0) <= room < heading_width(lines[-1] + word, 1.0):
+            lines.append("")
+        for letter in word:
+            if lines[-1] and heading_width(lines[-1] + letter, 1.0) > room:
+                lines.append("")
+            lines[-1] += letter
+    return [line.strip() for line in lines]
 
 
 def levels(places: Iterable[float], widths: Iterable[float]) -> list[int]:
