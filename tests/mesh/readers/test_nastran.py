@@ -111,6 +111,29 @@ def test_nastran_s_continuations_go_by_their_names(lines: list[str], tmp_path: P
     assert mass_properties(part, 1.0).volume == pytest.approx(15.754666666666667e-9, rel=1e-14)
 
 
+@pytest.mark.parametrize("last", ["       1", "G1", "+1", "1"])
+def test_what_points_have_in_their_last_columns_takes_no_line_from_a_card_above(last: str, tmp_path: Path) -> None:
+    points = [f"GRID    {n:<8}{'':8}{x:<8}{y:<8}{z:<8}".ljust(72) + last for n, (x, y, z) in enumerate(TEN, 1)]
+    lines = ["CTETRA  " + CORNERS_OF_8, "+1      7       8       9       10"]
+    part = read_text(tmp_path, "a.bdf", bulk(*points, *lines))
+    assert isinstance(part.geometry, Cells)
+    assert [block.nodes.tolist() for block in part.geometry.blocks] == [[[*range(10)]]]
+
+
+def test_a_line_that_two_cards_may_mean_is_refused(tmp_path: Path) -> None:
+    lines = ["CTETRA  " + CORNERS_OF_8, "+1      7       8       9       10", "MAT1,1,2.,,.3,,,,,+1"]
+    with pytest.raises(ReadError, match=r"may continue 'CTETRA .*', below which it stands, or 'MAT1,1.*: write names"):
+        read_text(tmp_path, "a.bdf", bulk(*grid(TEN), *lines))
+
+
+def test_cards_with_names_stand_beside_cards_without(tmp_path: Path) -> None:
+    unnamed = "CTETRA  " + CORNERS_OF_8.replace("1       ", "2       ", 1)
+    lines = [unnamed, "+A1     7       8       9       10", FIRST, SECOND]
+    part = read_text(tmp_path, "a.bdf", bulk(*grid(TEN), *lines))
+    assert isinstance(part.geometry, Cells)
+    assert [block.nodes.tolist() for block in part.geometry.blocks] == [[[*range(10)], [*range(10)]]]
+
+
 def test_continuations_of_a_sorted_deck_find_their_cards(tmp_path: Path) -> None:
     second = [f"CTETRA,2,1,{','.join(map(str, range(11, 17)))},+A2", "+A2,17,18,19,20"]
     text = bulk(*grid(np.concatenate([TEN, TEN + 10])), FIRST, second[0], SECOND, second[1])
