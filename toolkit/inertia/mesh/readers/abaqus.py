@@ -93,7 +93,7 @@ def plain_input(data: bytes) -> bytes:
 
 def _of_the_part(data: bytes) -> Iterator[Table]:
     """Yield the tables of the one part; nodes of the assembly's own, which are reference points, are left out."""
-    scope, parts, instances = "", set[str](), 0
+    scope, parts, instances = "", dict[str, None](), 0
     for keyword, options, rows in _tables(data):
         if keyword in _ENDS:
             scope = _ENDS[keyword]
@@ -109,13 +109,13 @@ def _of_the_part(data: bytes) -> Iterator[Table]:
                 "its *ASSEMBLY has elements of its own, which are not read: export one part by itself", code="not_read"
             )
         elif scope != "ASSEMBLY" or keyword != "NODE":
-            if keyword == "NODE":
-                parts.add(scope)
+            if keyword == "NODE" and rows:
+                parts[f"*{scope}" if scope else "no part"] = None
             yield keyword, options, rows
     if len(parts) > 1 or instances > 1:
         raise ReadError(
-            f"it has {plural(len(parts), 'part')} and {plural(instances, 'instance')}, but one of each is read: export "
-            "one part by itself",
+            f"it has {plural(instances, 'instance')}, and nodes in {' and '.join(parts)}, but one part is read, and one "
+            "instance of it: export one part by itself",
             code="not_read",
         )
 
