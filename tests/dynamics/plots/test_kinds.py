@@ -1,6 +1,7 @@
 """Plots of runs: which suit a model, that they show what the run has, with units, and nothing on top of another."""
 
 import functools
+import math
 import re
 import subprocess
 import sys
@@ -180,6 +181,36 @@ def test_a_separatrix_is_in_the_legend_where_it_is_in_the_window(spin: float, se
     low, high = axes.get_ylim()
     drawn = [np.asarray(each.get_ydata()) for each in axes.lines]
     assert all(((each >= low) & (each <= high)).any() for each in drawn)
+
+
+@pytest.mark.parametrize(("duration", "seen"), [(20.0, True), (400.0, False)])
+def test_curves_of_equal_energy_are_left_out_where_turns_are_too_many_to_tell(duration: float, seen: bool) -> None:
+    table = {
+        "body": {"principal_moments": [1.0, 2.0, 2.5], "mass": 1.0, "center_of_mass": [0.0, 0.0, -1.0]},
+        "start": {"angular_velocity": [4.6, 0.0, 0.0]},
+        "constraint": {"kind": "hinge", "axis": [1.0, 0.0, 0.0]},
+        "load": [{"kind": "gravity"}],
+        "run": {"duration": duration, "samples": 101, "accuracy": 1e-6},
+    }
+    axes = simulate(Scene.from_dict(table)).plot("phase portrait").axes[0]
+    labels = {each.get_label() for each in axes.lines}
+    assert {"equal energy", "separatrix"} & labels == ({"equal energy", "separatrix"} if seen else set())
+
+
+@pytest.mark.parametrize("samples", [9, 101])
+def test_a_stiff_hinge_comes_to_its_pace_within_its_time_constant(samples: int) -> None:
+    """I = 2 kg m², c = 200 N m s: −m g l sin(½π)/c is reached to a share of exp(−c t/I), while θ stays."""
+    table = {
+        "body": {"principal_moments": [1.0, 2.0, 2.5], "mass": 1.0, "center_of_mass": [0.0, 0.0, -1.0]},
+        "start": {"angular_velocity": [0.0, 0.0, 0.0], "attitude": [math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)]},
+        "constraint": {"kind": "hinge", "axis": [1.0, 0.0, 0.0]},
+        "load": [{"kind": "gravity"}, {"kind": "damping", "coefficient": 200.0}],
+        "run": {"duration": 100.0, "samples": samples},
+    }
+    angle, rate = line(simulate(Scene.from_dict(table)).plot("phase portrait").axes[0], "the run").T
+    pace = 9.80665 / 200.0
+    assert rate.min() == pytest.approx(-pace, rel=0.02)
+    assert angle[np.argmax(rate < -0.9 * pace)] > -0.01
 
 
 def test_a_tippe_top_is_seen_to_turn_over() -> None:

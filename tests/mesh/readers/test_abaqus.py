@@ -178,7 +178,7 @@ def test_a_reference_point_of_a_part_is_no_part_of_it(tmp_path: Path) -> None:
         (IN_PARTS.format(NODES, ONE + ONE), "has 2 instances, and nodes in .*, but one part is read"),
         (
             IN_PARTS.format(NODES, ONE).replace("*Assembly", f"*Part, name=Q\n{NODES}*End Part\n*Assembly"),
-            "has 2 parts",
+            "nodes in .PART P and .PART Q, but one part",
         ),
         (IN_PARTS.format(NODES, ONE + "*Element, type=T3D2\n9,1,2\n"), "its .ASSEMBLY has elements of its own"),
     ],

@@ -1,5 +1,6 @@
 """A recording of a body that is driven holds what becomes of L and of the energy."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -196,6 +197,45 @@ def test_a_separatrix_is_named_where_it_is_seen(spin: float, seen: bool, tmp_pat
     (text,) = recording.texts(f"/{entities.SUMMARY}", "TextDocument:text")
     assert ("a separatrix" in text) == seen
     assert (f"/{entities.PHASE_PORTRAIT}/separatrix" in recording.columns) == seen
+
+
+def test_a_loop_that_ends_early_says_how_far_the_curve_of_its_phase_portrait_goes(tmp_path: Path) -> None:
+    """Of 2,400 rad in 300 s; the separatrix of 400 turns would be a band."""
+    run = swinging(8.0, 9)
+    run = simulate(replace(run.scene, run=replace(run.scene.run, duration=300.0, accuracy=1e-7)))
+    recording = written(screen(run), tmp_path / "run.rrd")
+    (text,) = recording.texts(f"/{entities.SUMMARY}", "TextDocument:text")
+    assert "the yellow curve of the phase portrait, which is drawn as far as the loop goes." in text
+    assert not {f"/{entities.PHASE_PORTRAIT}/{name}" for name in ("levels", "separatrix")} & recording.columns.keys()
+
+
+@pytest.mark.parametrize(
+    ("load", "course"),
+    [
+        ({"kind": "damping", "coefficient": 0.3}, "falls"),
+        ({"kind": "torque", "torque": [3.0, 0.0, 0.0]}, "goes up and down"),
+        ({"kind": "torque", "torque": [30.0, 0.0, 0.0]}, "grows"),
+    ],
+)
+def test_the_energy_of_a_driven_hinge_goes_as_it_is_said_to(load: dict[str, Any], course: str, tmp_path: Path) -> None:
+    """From rest below: with N > m g l it goes round for good, with less it comes back."""
+    scene = swinging(2.0 if course == "falls" else 0.0, 9).scene
+    table = scene.to_dict()
+    table["load"] = [*table["load"], load]
+    table["run"] = table["run"] | {"duration": 5.0}
+    recording = written(screen(simulate(Scene.from_dict(table))), tmp_path / "run.rrd")
+    (text,) = recording.texts(f"/{entities.SUMMARY}", "TextDocument:text")
+    assert f"its energy (orange), which {course}, and along the yellow curve" in text
+    energy = series(recording, f"/{entities.PLOT_ENERGY}")[:, 0]
+    assert (energy[-1] > energy[0]) == (course != "falls")
+
+
+def test_a_hinged_body_at_rest_has_no_polhodes(tmp_path: Path) -> None:
+    recording = written(screen(swinging(0.0, 21)), tmp_path / "run.rrd")
+    (text,) = recording.texts(f"/{entities.SUMMARY}", "TextDocument:text")
+    assert "L is zero at all times, so that the body view has neither momentum sphere nor energy ellipsoid" in text
+    assert "polhode" not in text
+    assert f"/{entities.SEPARATRIX}" not in recording.columns
 
 
 def test_the_forces_on_bearings_are_equal_and_opposite_arrows(tmp_path: Path) -> None:

@@ -34,6 +34,8 @@ _PAIRS = ("turning theta", "steady precession, slow and fast")
 """Quantities that are two numbers, however many samples there are."""
 
 _CLOSE, _MOST = 0.1, 20_001  # rad between the instants that a drawing goes through, and how many they are at most
+_BENT = 0.05  # of the largest ω, that it may be off the straight line from the instant before to the one after
+_ROUNDS, _PARTS = 3, 10  # how often what is beside a bend is divided, and into how many parts
 
 _SERIES = ("time", "attitude", "angular_velocity", "angular_momentum", "energy", "position")
 
@@ -256,16 +258,25 @@ class Run:
         return html_of(rows, sketch)
 
     def _followed_closely(self) -> Run:
-        """Return the run at as many instants as a line needs, or as it is."""
+        """Return the run at as many instants as a line needs, or as it is: where a stiff hinge comes to its pace, ω
+        bends within far less than a turn takes."""
         settings = self.scene.run
         turned = float(np.linalg.norm(self.angular_velocity, axis=1).max()) * settings.duration
         whole = len(self.time) == settings.samples and self.time[-1] == settings.duration
-        if not whole or self.follow is None or turned / (len(self.time) - 1) <= _CLOSE:
+        if not whole or self.follow is None:
             return self
+        run = self
         try:
-            return self.at(np.linspace(0.0, settings.duration, min(int(turned / _CLOSE) + 2, _MOST)))
+            if turned / (len(self.time) - 1) > _CLOSE:
+                run = self.at(np.linspace(0.0, settings.duration, min(int(turned / _CLOSE) + 2, _MOST)))
+            for _ in range(_ROUNDS):
+                divided = _divided(run.time, run.angular_velocity)
+                if len(run.time) == len(divided) or len(divided) > _MOST:
+                    break
+                run = self.at(divided)
         except GeometryError:  # which takes too long, or reaches less between the samples
-            return self
+            pass
+        return run
 
     @property
     def _series(self) -> dict[str, Float]:
@@ -337,3 +348,13 @@ def _invariant(values: Float, scale: float | None) -> Invariant:
     size = scale or float(np.linalg.norm(vectors[0]))
     drift = 0.0 if strayed == 0 else strayed / size if size else np.inf
     return Invariant(values, drift, np.asarray(values[0]))
+
+
+def _divided(time: Float, omega: Float) -> Float:
+    """Return instants (n,) s with others between those that are beside a bend of ω (n, 3) rad/s."""
+    ahead = ((time[1:-1] - time[:-2]) / (time[2:] - time[:-2]))[:, None]
+    off = np.linalg.norm(omega[1:-1] - omega[:-2] - ahead * (omega[2:] - omega[:-2]), axis=1)
+    bends = np.flatnonzero(off > _BENT * float(np.linalg.norm(omega, axis=1).max()))
+    beside = np.unique([bends, bends + 1])
+    between = time[beside, None] + np.diff(time)[beside, None] * (np.arange(1, _PARTS) / _PARTS)
+    return np.union1d(time, between)

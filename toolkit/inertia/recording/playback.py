@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -72,19 +73,22 @@ class Playback:
         return self.speed / self.second
 
 
-def playback(time: Float, fastest: float, turning: Float | float | None = None) -> Playback:
+def playback(time: Float, fastest: float, turning: Float | float | None = None, known: Float | None = None) -> Playback:
     """Choose how to play a run sampled at `time` (n,) s, so that what moves at `fastest` rad/s can be followed.
 
     In real time where that will do, else the nearest of 1, 2 and 5 times a power of ten on the safe side, such that the
-    playback lasts from `SHORTEST` to `LONGEST`. Poses are `RATE` to a second of playback or more, and no farther
-    apart than a body turns by `NEAR` at `turning` (n,) rad/s (`fastest` without it): they are samples where these are
-    as many. Where more than `MOST` would be needed, the loop ends with them; after it are samples, at most so many.
+    playback lasts from `SHORTEST` to `LONGEST`. Poses are no farther apart than a body turns by `NEAR` at `turning`
+    (k,) rad/s (`fastest` without it), which it has at instants `known` (k,) s from the first sample to the last
+    (`time` without them); and they are `RATE` to a second of playback or more, or as many as `MOST` give to each. They
+    are samples where these are as many. Where more than `MOST` would be needed for turning, the loop ends with them;
+    after it are samples, at most so many.
 
     Raises `GeometryError` where no scale of time has nanoseconds that tell all rows apart.
     """
-    rate = np.broadcast_to(fastest if turning is None else turning, time.shape) / NEAR
+    known = time if known is None else known
+    rate = np.broadcast_to(fastest if turning is None else turning, known.shape) / NEAR
     duration = float(time[-1] - time[0])
-    span = _instant(_counted(time, rate), time, MOST) - float(time[0])
+    span = _instant(_counted(known, rate), known, MOST) - float(time[0])
     speed = 1.0
     if fastest > _FOLLOWED[0]:
         speed = round_down(_FOLLOWED[0] / fastest)
@@ -94,7 +98,8 @@ def playback(time: Float, fastest: float, turning: Float | float | None = None) 
         speed = 1.0 / round_down(LONGEST / span)
     if span < SHORTEST * speed:
         speed = round_down(span / SHORTEST)
-    frames = _instants(time, _counted(time, np.maximum(rate, RATE / speed)), float(time[0]) + span)
+    least = min(RATE / speed, MOST / span)
+    frames = _instants(time, known, _counted(known, np.maximum(rate, least)), float(time[0]) + span)
     play = Playback(speed, frames, len(frames), ())
     if span < duration:
         later = time[time > frames[-1]]
@@ -108,28 +113,30 @@ def playback(time: Float, fastest: float, turning: Float | float | None = None) 
     return _on_timeline(play, time)
 
 
-def _counted(time: Float, rate: Float) -> Float:
-    """Return how many poses are needed up to each sample (n,) at so many (n,) a second, never fewer between two of
+def _counted(known: Float, rate: Float) -> Float:
+    """Return how many poses are needed up to each instant (k,) at so many (k,) a second, never fewer between two of
     them than the larger rate asks for."""
-    return np.concatenate([[0.0], np.cumsum(np.diff(time) * np.maximum(rate[1:], rate[:-1]))])
+    return np.concatenate([[0.0], np.cumsum(np.diff(known) * np.maximum(rate[1:], rate[:-1]))])
 
 
-def _instant(count: Float, time: Float, number: float) -> float:
+def _instant(count: Float, known: Float, number: float) -> float:
     """Return when so many poses have been needed, the end of the run at the latest."""
-    return float(np.interp(number, count, time)) if count[-1] > number else float(time[-1])
+    return float(np.interp(number, count, known)) if count[-1] > number else float(known[-1])
 
 
-def _instants(time: Float, count: Float, end: float) -> Float:
-    """Return instants from the start to `end`, one or more for each unit of `count` (n,): samples where these do."""
-    coarsest = float(np.diff(count).max())
+def _instants(time: Float, known: Float, count: Float, end: float) -> Float:
+    """Return instants from the start to `end`, one or more for each unit of `count` (k,) at instants `known` (k,):
+    samples `time` (n,) where these do."""
+    counted = np.interp(time, known, count)
+    coarsest = float(np.diff(counted).max())
     if coarsest <= 1.0:
         samples = int(np.searchsorted(time, end, side="right"))
-        targets = np.arange(0.0, count[samples - 1], 1.0 - coarsest) if coarsest <= 0.5 else count[:samples]
-        rows = np.unique(np.searchsorted(count[:samples], targets, side="right") - 1)
+        targets = np.arange(0.0, counted[samples - 1], 1.0 - coarsest) if coarsest <= 0.5 else counted[:samples]
+        rows = np.unique(np.searchsorted(counted[:samples], targets, side="right") - 1)
         chosen: Float = time[np.union1d(rows, [0, samples - 1])]
         return chosen
-    needed = float(np.interp(end, time, count))
-    instants = np.interp(np.linspace(0.0, needed, max(2, math.ceil(needed) + 1)), count, time)
+    needed = float(np.interp(end, known, count))
+    instants = np.interp(np.linspace(0.0, needed, max(2, math.ceil(needed) + 1)), count, known)
     instants[-1] = end
     return instants
 
@@ -240,19 +247,18 @@ def frames_followed(run: Run, fastest: Callable[[Run], float]) -> Frames:
     of what moves, at the samples of a run.
 
     What is no sample is evaluated by the model (`Run.at`). Where poses turn out to be farther apart than `NEAR`, the
-    body turns faster between its samples than at them: they are chosen anew. A run that cannot be followed again is
-    shown at its samples.
+    body turns faster between its samples than at them; where it turns by far less in a loop that is cut short, slower:
+    they are chosen anew, by the rates at those there were. A run that cannot be followed again is shown at its samples.
     """
-    rate, turning = fastest(run), np.linalg.norm(run.angular_velocity, axis=1)
-    play, shown, rows = playback(run.time, rate, turning), run, np.arange(len(run.time))
+    rate, turning = fastest(run), turning_of(run)
+    play, shown, rows = playback(run.time, rate, turning[1]), run, np.arange(len(run.time))
     try:
         shown, rows = _posed(run, play.frames)
         for _ in range(TRIES):
-            poses = shown.time[rows], shown.attitude[rows], shown.angular_velocity[rows]
-            if (faster := nearer(run.time, turning, play.near, poses)) is None:
+            if are_near(play, shown.attitude[rows]):
                 break
-            rate, turning = max(rate, fastest(shown)), faster
-            play = playback(run.time, rate, turning)
+            rate, turning = max(rate, fastest(shown)), turning_seen(run, play, shown, turning)
+            play = playback(run.time, rate, turning[1], turning[0])
             shown, rows = _posed(run, play.frames)
     except InertiaError:
         shown, rows = run, np.arange(len(run.time))
@@ -291,28 +297,40 @@ def _posed(run: Run, instants: Float) -> tuple[Run, Int]:
     return run.at(instants), np.arange(len(instants))
 
 
-def nearer(time: Float, turning: Float, near: int, *poses: tuple[Float, Float, Float]) -> Float | None:
-    """Return rates (n,) rad/s at samples `time` (n,) s that give `playback` nearer poses; None where all are near.
+def turning_of(run: Run) -> tuple[Float, Float]:
+    """Return how fast a body turns at the samples of a run: instants (k,) s and |ω| (k,) rad/s there."""
+    return run.time, np.linalg.norm(run.angular_velocity, axis=1)
 
-    Parameters
-    ----------
-    turning : (n,) rad/s, those for which the poses were taken
-    near : how many of them are to be near each other
-    poses : of each body, instants (m,) s, attitudes (m, 4) and ω (m, 3) rad/s there
-    """
-    if all(_largest_turn(attitude[:near]) <= _SLACK * NEAR for _, attitude, _ in poses):
-        return None
-    faster = turning.copy()
-    for instants, _, omega in poses:
-        before = np.clip(np.searchsorted(time, instants, side="right") - 1, 0, len(time) - 2)
-        for sample in (before, before + 1):
-            np.maximum.at(faster, sample, np.linalg.norm(omega, axis=1))
-    return faster
+
+def turning_seen(run: Run, play: Playback, shown: Run, before: tuple[Float, Float]) -> tuple[Float, Float]:
+    """Return how fast the body of a run turns, as `turning_of` does: as was known before, at the poses `shown`, and
+    where the loop is cut short at even instants too, up to the end of the run."""
+    seen = [before, turning_of(shown)]
+    if play.loop is not None:
+        with suppress(InertiaError):
+            seen.append(turning_of(run.at(np.linspace(run.time[0], run.time[-1], MOST))))
+    instants, rates = (np.concatenate(each) for each in zip(*seen, strict=True))
+    known, rows = np.unique(instants, return_index=True)
+    return known, rates[rows]
+
+
+def are_near(play: Playback, *attitudes: Float) -> bool:
+    """Say whether poses, attitudes (m, 4) of each body, are near each other, and none of them wasted: where the loop is
+    cut short, some body turns by half of `NEAR` or more from one to the next that turning asks for, on average."""
+    turns = [_turns(attitude[: play.near]) for attitude in attitudes]
+    if any(turn.max(initial=0.0) > _SLACK * NEAR for turn in turns):
+        return False
+    return play.loop is None or max(float(turn.sum()) for turn in turns) >= 0.5 * NEAR * MOST
 
 
 def _largest_turn(attitude: Float) -> float:
     """Return the largest angle from one attitude (m, 4) to the next."""
-    return float(quaternion.angle_between(attitude[:-1], attitude[1:]).max(initial=0.0))
+    return float(_turns(attitude).max(initial=0.0))
+
+
+def _turns(attitude: Float) -> Float:
+    """Return the angles (m - 1,) from one attitude (m, 4) to the next."""
+    return np.asarray(quaternion.angle_between(attitude[:-1], attitude[1:]))
 
 
 def largest(vectors: Float) -> float:

@@ -118,3 +118,25 @@ def test_reasons_say_what_is_simple() -> None:
 def test_angle_beyond_float64_is_refused() -> None:
     with pytest.raises(GeometryError, match="Taylor does not reach"):
         simulate(scene(MOMENTS, [0, 0, 1], torque(0, 0, 1), duration=1e12))
+
+
+@pytest.mark.parametrize(
+    ("moments", "spin", "load", "says"),
+    [
+        ([3, 4, 6], [0, 1, 0], torque(0, 0.1, 0), "a factor e in 2 s where the spin is fastest"),
+        ([3, 4, 6], [0, 0, 0], torque(0, 0.1, 0), "a factor e in 6 s where the spin is fastest"),
+        ([3, 4, 6], [0, 1, 0], damping(0.1), "a factor e in 3 s"),
+        ([3, 4, 6], [1, 0, 0], torque(0.1, 0, 0), ""),
+        ([4, 4, 4], [0, 1, 0], torque(0, 0.1, 0), ""),
+        ([3, 4, 6], [0, 1e-3, 0], damping(0.1), ""),
+    ],
+)
+def test_a_driven_spin_about_the_intermediate_axis_is_called_unstable(
+    moments: list[float], spin: list[float], load: dict[str, Any], says: str
+) -> None:
+    """A disturbance grows at ω √((I₂ − I₁)(I₃ − I₂)/(I₁ I₃)) = ω/3; ω comes to 1.5 rad/s, or 0.5 from rest."""
+    run = simulate(scene(moments, spin, load))
+    assert run.model == "scaled free motion"
+    found = [note for note in run.warnings if "the intermediate moment is unstable" in note]
+    assert len(found) == bool(says)
+    assert not says or says in found[0]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import math
-import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -16,6 +15,7 @@ from inertia.arrays import Float
 from inertia.documents import SMALLEST, FieldError, choice, finite_number, number, numbers
 from inertia.dynamics.integrators.terms import Terms
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.loads.headings import cells_of, require_four, require_names, require_names_in_remarks
 from inertia.dynamics.loads.load import Load, TurningBody
 from inertia.encoding import text_of
 from inertia.errors import ReadError, UsageError, placed
@@ -27,21 +27,6 @@ from inertia.tables import cell_number
 _STANDS_OUT = 30.0  # times the median of the changes between two probes, that a jump changes a function by
 _NO_JUMP = 1e-12  # of its largest value, and what is less is none
 _SHARE = 1e-3  # of the change between two probes, that a jump is at least
-
-
-def _named(names: str, unit: str) -> re.Pattern[str]:
-    """Return what the head of a column may be, with its unit behind it, if any."""
-    return re.compile(rf"(?i:{names})(?:(?:\s|\s*[\[(/,_])\s*{unit}\s*[\])]?)?")
-
-
-_COLUMNS = (
-    ("time", _named("t|time", "s(?:ec|econds)?"), "s"),
-    *(
-        (name, _named(f"(?:torque|moment|tau|τ|[mnt])?[ _]?[{name}{axis}]", "N[ ·⋅*.]?m"), "N m")
-        for axis, name in enumerate("xyz", 1)
-    ),
-)
-"""The columns of a table: name, what may stand above it, and unit."""
 
 TorqueFrame = Literal["part", "principal", "space"]
 TorqueFunction = Callable[[float, Float, Float], Float]
@@ -320,12 +305,13 @@ class Torque(Load):
 
 def read_table(path: str | Path) -> TorqueTable:
     """Read a table of `time,x,y,z` (s, N m) from a CSV file; one line of column names may come first. Lines
-    that begin with # are passed over, but for names there.
+    that begin with # are passed over, but for names in them above the first row.
 
     Raises `ReadError`, with the number of the line, for what is not four finite numbers or goes back in time, and for
     names that say another order or another unit.
     """
     rows: list[list[float]] = []
+    remarks: list[tuple[list[str], str]] = []
     named = False
     file = Path(path)
     note_input(file)
@@ -343,11 +329,13 @@ def read_table(path: str | Path) -> TorqueTable:
             if not any(field.strip() for field in fields):
                 continue
             if fields[0].lstrip().startswith("#"):
-                _require_names_in_comment(fields, where)
+                remarks.append((cells_of(fields), where))
             elif named or rows or any(map(_is_number, fields)):
+                if not rows:
+                    require_names_in_remarks(remarks)
                 rows.append(_row(fields, rows, where))
             else:
-                _require_names(fields, where)
+                require_names(fields, where)
                 named = True
     except csv.Error as error:
         says = f"the torque table is not CSV: {error}: give a CSV file of time,x,y,z"
@@ -361,33 +349,8 @@ def read_table(path: str | Path) -> TorqueTable:
         raise ReadError(*error.words, places=(str(path),), code=error.code) from None
 
 
-def _require_four(fields: list[str], where: str) -> None:
-    if len(fields) != 4:
-        raise ReadError(f"{where}: {len(fields)} columns, 4 are needed: give time, x, y, z in s and N m", code="table")
-
-
-def _require_names(fields: list[str], where: str) -> None:
-    """Raise `ReadError` where a name is none of the column at its place, or its unit another than is read."""
-    _require_four(fields, where)
-    for column, (field, (name, pattern, unit)) in enumerate(zip(fields, _COLUMNS, strict=True), 1):
-        if not pattern.fullmatch(field.strip()):
-            raise ReadError(
-                f"{where}: column {column} is named {field.strip()!r}, and {name} in {unit} is read there: give time, "
-                "x, y, z in s and N m",
-                code="table",
-            )
-
-
-def _require_names_in_comment(fields: list[str], where: str) -> None:
-    """Raise `ReadError` for names that do not fit in a line that begins with #, as NumPy writes them."""
-    cells = [fields[0].strip().lstrip("# "), *fields[1:]]
-    known = any(pattern.fullmatch(cell.strip()) for cell in cells for _, pattern, _ in _COLUMNS)
-    if len(cells) == len(_COLUMNS) and known:
-        _require_names(cells, where)
-
-
 def _row(fields: list[str], before: list[list[float]], where: str) -> list[float]:
-    _require_four(fields, where)
+    require_four(fields, where)
     for field in fields:
         if not _is_number(field):
             raise ReadError(f"{where}: {field.strip()!r} is not a finite number: correct it", code="not_a_number")

@@ -319,9 +319,9 @@ def _phase_portrait(axes: Axes, run: Subject) -> None:
 
 def _draw_levels(axes: Axes, swing: Swing, window: Window) -> None:
     """Draw curves of other energies, and those through the rest that is not stable."""
-    angles = np.linspace(window.left, window.right, 721)
-    if not np.ptp(swing.potential(angles)):
+    if not swing.draws_levels(window):
         return
+    angles = np.linspace(window.left, window.right, 721)
     curves = [(energy, FAINT, 0.8, 1, "equal energy") for energy in swing.levels(window).tolist()]
     if swing.barrier is not None:
         curves.append((swing.barrier, PLUM, 1.3, 2, "separatrix"))

@@ -14,8 +14,9 @@ from inertia.dynamics.motion import Motion
 from inertia.dynamics.plots.subject import Subject
 from inertia.records import dataclass
 
-_LEVELS = 9
+_LEVELS, _ANGLES = 9, 201
 _UPRIGHT = 1e-9  # sine of a tilt, below which it has no direction to change in
+_TURNS = 40.0  # that a window shows at most, for curves of equal energy to be told apart
 _BESIDE, _BEYOND = 0.15, 0.25  # of its range, that is shown on either side of the angle, and of the rate
 
 
@@ -54,9 +55,15 @@ class Swing:
         reached[:-1] |= moving[1:]
         return np.asarray(np.where(reached, rates, np.nan))
 
+    def draws_levels(self, window: Window) -> bool:
+        """Say whether curves of equal energy tell something: not where V is even, or goes up and down too often."""
+        if self.barrier is not None and window.right - window.left > 2.0 * np.pi * _TURNS:
+            return False
+        return bool(np.ptp(self.potential(np.linspace(window.left, window.right, _ANGLES))))
+
     def levels(self, window: Window) -> Float:
         """Return energies (k,) J whose curves of (θ, θ̇) spread over a window."""
-        angles = np.linspace(window.left, window.right, 201)
+        angles = np.linspace(window.left, window.right, _ANGLES)
         most = 0.5 * self.inertia * max(window.low**2, window.high**2)
         values = np.asarray(self.potential(angles))
         low, high = float(values.min()), float(np.median(values)) + most

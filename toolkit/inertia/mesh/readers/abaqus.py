@@ -114,8 +114,8 @@ def _of_the_part(data: bytes) -> Iterator[Table]:
             yield keyword, options, rows
     if len(parts) > 1 or instances > 1:
         raise ReadError(
-            f"it has {plural(instances, 'instance')}, and nodes in {' and '.join(parts)}, but one part is read, and one "
-            "instance of it: export one part by itself",
+            f"it has {plural(instances, 'instance')}, and nodes in {' and '.join(parts)}, but one part is read, and "
+            "one instance of it: export one part by itself",
             code="not_read",
         )
 

@@ -85,6 +85,9 @@ def write_moving_momentum_space(recording: Recording, run: Run, frames: Frames) 
     """Write L along the principal axes of a body that is driven, with the sphere and the ellipsoid as they change."""
     moments, axes = numbered(run.plan)
     along = longest_as(1.0, quaternion.to_body(frames.attitude, frames.angular_momentum) @ axes)
+    if not along.any():
+        write_axes(recording, entities.PRINCIPAL_AXES, 1.25 * np.eye(3), _LINE)
+        return "L is zero at all times, so that the body view has neither momentum sphere nor energy ellipsoid"
     radius = np.linalg.norm(along, axis=1)
     twice = np.divide(along**2, moments, out=np.zeros_like(along), where=moments > 0).sum(axis=1)
     semi_axes = np.sqrt(twice[:, None] * moments)

@@ -16,7 +16,7 @@ from inertia.errors import InertiaError, UsageError
 from inertia.recording import entities
 from inertia.recording.display import Display, display_of
 from inertia.recording.drawing import write_arrow, write_place, write_text
-from inertia.recording.playback import TRIES, Playback, largest, nearer, playback
+from inertia.recording.playback import TRIES, Playback, are_near, largest, playback, turning_of, turning_seen
 from inertia.recording.screen import Screen, eye, finished, plot, space_view, text_view
 from inertia.recording.summary import figure, markdown, sentence, title
 from inertia.recording.writer import Recording
@@ -85,15 +85,16 @@ def _pair(run: Run, other: Run) -> Pair:
     least = _SAME * min(float(np.diff(each.time).min()) for each in (run, other))
     time = np.union1d(run.time, other.time)
     time = time[np.diff(time, append=np.inf) > least]
-    rates = [np.linalg.norm(each.angular_velocity, axis=1) for each in (run, other)]
-    turning = np.maximum(*(np.interp(time, each.time, rate) for each, rate in zip((run, other), rates, strict=True)))
+    rates = [turning_of(each) for each in (run, other)]
     for _ in range(1 + TRIES):
-        play = playback(time, float(turning.max()), turning)
+        known = np.union1d(rates[0][0], rates[1][0])
+        turning = np.maximum(*(np.interp(known, *rate) for rate in rates))
+        play = playback(time, float(turning.max()), turning, known)
         poses = [_followed(each, play.frames[play.frames < each.time[-1] - least]) for each in (run, other)]
-        drawn = ((each.time, each.attitude, each.angular_velocity) for each in poses)
-        if (faster := nearer(time, turning, play.near, *drawn)) is None:
+        if are_near(play, *(each.attitude for each in poses)):
             break
-        turning = faster
+        seen = zip((run, other), poses, rates, strict=True)
+        rates = [turning_seen(each, play, shown, rate) for each, shown, rate in seen]
     return Pair((run, other), play, (poses[0], poses[1]), _apart(run, other, least))
 
 

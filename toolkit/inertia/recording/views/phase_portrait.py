@@ -30,6 +30,7 @@ _BESIDE = 0.7  # of the swing of a top, that is shown on either side of it
 _STILL = 0.2  # rad, shown on either side of a tilt that stays
 _HEADROOM = 0.6  # of the well's depth, above the energy
 _POINTS = 801
+_NO_COURSE = 1e-3  # of what an energy falls by, up to which it does not grow, and the reverse
 _SWINGS = 1e-9  # of the spin: a rate that changes by less is that of no swing
 
 
@@ -69,7 +70,7 @@ class PhasePortrait:
             potential.write_curves(recording, "energy", [(ends, [energy[0], energy[0]])], OMEGA)
         window = Window(plane.left, plane.right, plane.low, plane.high)
         beside = ""
-        if np.ptp(swing.potential(theta)):
+        if swing.draws_levels(window):
             if self._write_levels(recording, "levels", swing.levels(window).tolist(), theta, LEVEL):
                 beside = "; grey are others of equal energy"
             if swing.barrier is not None and self._write_levels(
@@ -80,20 +81,28 @@ class PhasePortrait:
         where = "on the phase portrait"
         if plane.write_curves(recording, "run", [(path[:, 0], path[:, 1])], TRAIL):
             where = "along the yellow curve of the phase portrait"
+            where += "" if frames.play.loop is None else ", which is drawn as far as the loop goes"
         potential.write_moving(recording, "point", frames.time, angle, swing.potential(angle), POINT)
         plane.write_moving(recording, "point", frames.time, angle, rate, POINT)
-        below = "below the energy less that of the spin (orange)" if self.is_top else "below its energy"
+        below = "the energy less that of the spin (orange)" if self.is_top else "its energy (orange)"
         if not self.conserved:
             potential.write_level(recording, "energy", frames.time, energy, OMEGA)
-            below += " (orange), which falls"
-        elif not self.is_top:
-            below += " (orange)"
+            below += f", which {_course(energy)}"
         what = "effective potential" if self.is_top else "potential energy"
-        return f"the point runs along the {what} V (blue), {below}, and {where}{beside}"
+        return f"the point runs along the {what} V (blue), below {below}, and {where}{beside}"
 
     def _write_levels(self, recording: Recording, name: str, energies: list[float], theta: Float, color: Color) -> bool:
         curves = [(theta, sign * self.swing.rates(energy, theta)) for energy in energies for sign in (1.0, -1.0)]
         return self.plane.write_curves(recording, name, curves, color, 0.3)
+
+
+def _course(energy: Float) -> str:
+    """Say how an energy that is not kept goes, J at the poses (m,)."""
+    steps = np.diff(energy)
+    gain, loss = float(steps.clip(min=0.0).sum()), float(-steps.clip(max=0.0).sum())
+    if gain <= _NO_COURSE * loss:
+        return "falls"
+    return "grows" if loss <= _NO_COURSE * gain else "goes up and down"
 
 
 def phase_portrait(run: Run, frames: Frames) -> PhasePortrait | None:

@@ -254,7 +254,7 @@ def _warnings(moments: Float, angular_velocity: Float, time: Float) -> tuple[str
         return ()
     start, farthest = initial_conditions(moments, angular_velocity), float(time[np.argmax(np.abs(time))])
     if start.steady:
-        return _unstable(moments, angular_velocity, abs(farthest))
+        return unstable(moments, angular_velocity, abs(farthest))
     if not start.asymmetric:
         return ()
     cycle = min(float(flip_period(moments, angular_velocity)), abs(farthest))
@@ -270,13 +270,20 @@ def _warnings(moments: Float, angular_velocity: Float, time: Float) -> tuple[str
     )
 
 
-def _unstable(moments: Float, angular_velocity: Float, duration: float) -> tuple[str, ...]:
-    """Say so where a steady spin is about the intermediate axis, and long enough for a disturbance to grow."""
+def unstable(moments: Float, angular_velocity: Float, duration: float, fastest: float = 1.0) -> tuple[str, ...]:
+    """Say so where a steady spin is about the intermediate axis, and long enough for a disturbance to grow.
+
+    Parameters
+    ----------
+    duration : s, at the given ω (3,) rad/s throughout
+    fastest : what ω comes to, over the given one, where something drives or brakes it
+    """
     along = int(np.argmax(np.abs(angular_velocity)))
     rate = float(growth_rate(moments, abs(angular_velocity[along])))
     if along != np.argsort(moments, kind="stable")[1] or rate * duration <= 1.0:
         return ()
+    where = "" if fastest == 1.0 else " where the spin is fastest"
     return (
         "the spin about the axis of the intermediate moment is unstable: it stays there if nothing disturbs it, and a "
-        f"disturbance grows by a factor e in {1.0 / rate:.3g} s",
+        f"disturbance grows by a factor e in {1.0 / (rate * fastest):.3g} s{where}",
     )

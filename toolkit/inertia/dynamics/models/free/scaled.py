@@ -79,7 +79,7 @@ class ScaledFreeMotion(Model):
 
     def solve(self, candidate: Candidate, time: Float, method: str | None = None) -> Motion:
         """Return the free motion at the times τ, with its angular velocity times g."""
-        from inertia.dynamics.models.free.motion import free_motion, input_rounding, rounding
+        from inertia.dynamics.models.free.motion import free_motion, input_rounding, rounding, unstable
 
         problem, moments, omega = candidate.problem, candidate.moments, candidate.angular_velocity
         damping, body, space = _loads(problem)
@@ -93,15 +93,19 @@ class ScaledFreeMotion(Model):
         attitude, spin = free_motion(moments, start, clock)
         spins = float(np.linalg.norm(start))
         late = np.abs(clock).argsort()[-64:]
+        warnings: tuple[str, ...] = ()
         reached = float(np.max(rounding(moments, start, clock)))
         if _across(start, along) > _NEARLY * spins:  # elsewhere the cost holds what becomes of rounding
             reached += 4.0 * float(np.max(input_rounding(moments, start, clock[late])))
+        else:
+            warnings = unstable(moments, start, float(np.abs(clock).max()), float(np.abs(pace).max()))
         reached += spins * (off / abs(first) + _EPS * float(np.abs(clock).max()))
         motion = Motion(
             attitude=attitude,
             angular_velocity=pace[:, None] * spin,
             method="closed form: free motion in scaled time",
             reached=reached,
+            warnings=warnings,
         ).turned(candidate.attitude)
         momentum = self.angular_momentum(candidate, motion)
         direction = quaternion.to_space(candidate.attitude, along)
