@@ -235,6 +235,11 @@ def write(folder: Path, text: str) -> Path:
         "# axes: x forward, y left, z up\n",
         "# t = 0 at launch, tuned, 2024, by hand\n",
         "# torque at time t\n",
+        "# Time history of torque\n",
+        "# t 0 to 2\n",
+        "# x, y, z, part axes\n",
+        "# 2024-01-01,x,y,z\n",
+        "time,x,y,z\n# x,y,z,t are in part axes\n",
     ],
 )
 def test_csv_is_read(heading: str, tmp_path: Path) -> None:

@@ -329,7 +329,8 @@ def read_table(path: str | Path) -> TorqueTable:
             if not any(field.strip() for field in fields):
                 continue
             if fields[0].lstrip().startswith("#"):
-                remarks.append((cells_of(fields), where))
+                if not named:
+                    remarks.append((cells_of(fields), where))
             elif named or rows or any(map(_is_number, fields)):
                 if not rows:
                     require_names_in_remarks(remarks)
