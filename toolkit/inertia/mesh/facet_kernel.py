@@ -17,36 +17,27 @@ CORNERS = 9 * 8
 
 
 @intrinsic
-def widen(context, record, triangle):
-    """Widen the nine coordinates in a record; eight of them are one vector."""
+def widen(context, records, corners, k):
+    """Widen the nine coordinates in the k-th record to the corners of a triangle; eight of them are one vector."""
 
     def code(context, builder, signature, arguments):
-        record, triangle = arguments
-        for first, count in ((0, 8), (8, 1)):
-            narrow, wide = (
-                ir.VectorType(kind, count) if count > 1 else kind for kind in (ir.FloatType(), ir.DoubleType())
-            )
-            source = builder.gep(record, [ir.IntType(64)(4 * first)])
-            number = builder.load(builder.bitcast(source, narrow.as_pointer()), align=2)
-            target = builder.gep(triangle, [ir.IntType(64)(8 * first)])
-            builder.store(builder.fpext(number, wide), builder.bitcast(target, wide.as_pointer()), align=8)
+        records, corners, k = arguments
+
+        def number(base, size, offset, kind):
+            at = builder.add(builder.mul(k, ir.IntType(64)(size)), ir.IntType(64)(offset))
+            return builder.bitcast(builder.gep(base, [at]), kind.as_pointer())
+
+        single, double = ir.FloatType(), ir.DoubleType()
+        for first, narrow, wide in ((0, ir.VectorType(single, 8), ir.VectorType(double, 8)), (8, single, double)):
+            stored = builder.load(number(records, RECORD, 4 * first, narrow), align=2)
+            builder.store(builder.fpext(stored, wide), number(corners, CORNERS, 8 * first, wide), align=8)
         return context.get_dummy_value()
 
-    return types.void(types.voidptr, types.voidptr), code
-
-
-@intrinsic
-def after(context, base, offset):
-    """Return the address `offset` bytes after `base`."""
-
-    def code(context, builder, signature, arguments):
-        return builder.gep(arguments[0], [arguments[1]])
-
-    return types.voidptr(types.voidptr, types.int64), code
+    return types.void(types.voidptr, types.voidptr, types.int64), code
 
 
 def widen_facets(first, count, corners):
     """Write the corners, (count, 9) float64, of binary STL records, from the first coordinate of the first on."""
     for k in range(count):
-        widen(after(first, RECORD * k), after(corners, CORNERS * k))
+        widen(first, corners, k)
     return 0
