@@ -97,6 +97,16 @@ def test_small_simple_meshes_are_answered_in_one_pass(monkeypatch: pytest.Monkey
     assert answer.inertia[:, 0, 0] / answer.inertia[0, 0, 0] == pytest.approx(sizes**5, rel=1e-14)
 
 
+def test_a_fault_of_the_program_is_not_put_down_to_the_mesh(monkeypatch: pytest.MonkeyPatch) -> None:
+    def faulty(*_: object) -> None:
+        raise ValueError("a fault")
+
+    vertices, faces = ball(1)
+    monkeypatch.setattr("inertia.mass.many.mass_properties", faulty)
+    with pytest.raises(ValueError, match="a fault"):
+        inertia.many([vertices], [np.concatenate([faces, faces])])  # which takes a look by itself
+
+
 def test_a_mesh_that_is_refused_stops_no_other() -> None:
     vertices, faces = ball(1)
     gone = faces.copy()

@@ -32,12 +32,13 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.boxes import CELLS
 from inertia.mesh.geometry.closure import Closure
+from inertia.mesh.geometry.common_cells import MOSTLY
 from inertia.mesh.geometry.edge_fans import layered
 from inertia.mesh.geometry.edges import duplicates
 from inertia.mesh.geometry.enclosed import MEASURE, NOISE, RUN, STORED, Measured, chunks, measured
 from inertia.mesh.geometry.faces import merge_equal_vertices
 from inertia.mesh.geometry.halfedges import half_edges
-from inertia.mesh.geometry.touching import FIND, MOSTLY, touching_groups
+from inertia.mesh.geometry.touching import FIND, touching_groups
 from inertia.mesh.surface import Triangles
 from inertia.native import Kernel, address
 from inertia.once import once

@@ -9,13 +9,12 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Float, Int, distinct_pairs
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
-from inertia.mesh.geometry.common_cells import in_common_cells
+from inertia.mesh.geometry.common_cells import MOSTLY, in_common_cells
 from inertia.mesh.geometry.intersect import CompiledTree
 from inertia.mesh.surface import Triangles
 from inertia.native import Kernel
 
 FIND = Kernel("inertia.mesh.geometry.touching_kernel", "find_touching", "pppi" + "pi" + "pppp" + "ip")
-MOSTLY = 0.75  # of triangles: to copy as many of them takes longer than to look at the rest
 PAIRS = 1 << 14  # pairs of triangles listed at a time
 _WORK = 16  # times what integrating a triangle costs, about, where the boxes of two bodies meet
 
