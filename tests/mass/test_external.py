@@ -162,6 +162,13 @@ def _half_turned(mesh: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.nd
     return vertices, np.where(turn[:, None], faces[:, ::-1], faces)
 
 
+@pytest.fixture
+def small_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """However much the tests before took: a share of it comes on top of the least memory that is asked for."""
+    for module in ("inertia.mesh.external.memory", "inertia.mass.external"):
+        monkeypatch.setattr(f"{module}.resident", lambda: 100_000_000)
+
+
 def _in_little(part: Part) -> float:
     """Return the least memory in which a part is paired, in which few irregular edges are looked at."""
     with pytest.raises(UsageError, match="allow at least") as least:
@@ -170,7 +177,7 @@ def _in_little(part: Part) -> float:
     return float(size) * {"MB": 1e6, "GB": 1e9}[unit]
 
 
-@pytest.mark.usefixtures("nothing_fits")
+@pytest.mark.usefixtures("nothing_fits", "small_process")
 @pytest.mark.parametrize("code", MANY)
 def test_edges_at_fault_that_are_too_many_to_be_looked_at_are_told_apart(code: str) -> None:
     said, make = MANY[code]
@@ -185,12 +192,13 @@ def test_edges_at_fault_that_are_too_many_to_be_looked_at_are_told_apart(code: s
     assert said in sentences.pop()
 
 
-@pytest.mark.usefixtures("nothing_fits")
+@pytest.mark.usefixtures("nothing_fits", "small_process")
 def test_an_open_shell_needs_none_of_its_edges_looked_at() -> None:
     part = stored(joined(SOUP))
     assert inertia.analyse(part, shell=0.1, memory=_in_little(part)).bodies == 23_000
 
 
+@pytest.mark.usefixtures("small_process")
 @pytest.mark.parametrize("at_once", [False, True])
 def test_edges_of_four_triangles_that_are_too_many_are_refused_with_the_memory_that_is_enough(
     at_once: bool, request: pytest.FixtureRequest
