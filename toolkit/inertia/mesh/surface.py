@@ -148,11 +148,14 @@ class RowsInFile:
         if 0 < len(ends) == len(places):  # far from each other
             return np.frombuffer(bytearray(b"".join(self._bytes((k, k + 1) for k in places.tolist()))), self._row)
         rows = np.empty(len(places), self._row)
-        for first, last in pairwise([0, *ends.tolist()]):
-            for some in range(first, last, _SCANNED):
-                run = places[some : min(some + _SCANNED, last)]
-                block = self.block(int(run[0]), int(run[-1]) + 1)
-                rows[some : some + len(run)] = block.take(run - run[0])
+        parts = [
+            slice(some, min(some + _SCANNED, last))
+            for first, last in pairwise([0, *ends.tolist()])
+            for some in range(first, last, _SCANNED)
+        ]
+        spans = [(int(places[part.start]), int(places[part.stop - 1]) + 1) for part in parts]
+        for part, (start, _), data in zip(parts, spans, self._bytes(spans), strict=True):
+            rows[part] = np.frombuffer(data, self._row).take(places[part] - start)
         return rows
 
     def _read(self, size: int, at: int) -> bytes:

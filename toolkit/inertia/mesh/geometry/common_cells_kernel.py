@@ -43,10 +43,14 @@ def in_planes(part):
 
 
 def enter_cells(
-    vertices_at, vertices, faces_at, group_at, count, run, x, y, z, factor, family_at, families,
+    vertices_at, vertices, faces_at, labels_at, count, roles_at, run, few_at, x, y, z, factor,
+    groups_at, width, size, family_at, families,
     keys_at, owners_at, cells_at, bits, slots_at, own_at, more_at, parts_at, room_at,
 ):  # fmt: skip
     """Enter the boxes of runs of triangles, `run` one after another, in the table of cells, group by group.
+
+    The group of a triangle stands in row `role`, column `label` + 1 of a table of `width` columns and `size` numbers.
+    Without `vertices`, `few` has a box around each run, whatever the groups of its triangles.
 
     `keys`, `owners` and `cells` are a table of 2^bits blocks of 4 × 4 × 4 cells, zeros at first: two groups plus one
     that are in the block, and which cells those of the first, of the second, and of all others are in. Keys that are
@@ -57,34 +61,43 @@ def enter_cells(
     """
     points = carray(vertices_at, (vertices, 3), np.float64)
     faces = carray(faces_at, (count, 3), np.int64)
-    group = carray(group_at, (count,), np.int64)
+    labels, roles = carray(labels_at, (count,), np.int32), carray(roles_at, (count,), np.uint8)
+    groups = carray(groups_at, (size,), np.int64)
     family = carray(family_at, (families,), np.int64)
     keys, owners = carray(keys_at, (1 << bits,), np.uint64), carray(owners_at, (1 << bits, 2), np.int32)
     cells = carray(cells_at, (1 << bits, 3), np.uint64)
     runs = (count + run - 1) // run
+    few = carray(few_at, (runs, 6), np.float32)
     slots, own = carray(slots_at, (runs,), np.int32), carray(own_at, (runs,), np.uint64)
     room = carray(room_at, (3,), np.int64)
     more, parts = carray(more_at, (room[2],), np.int32), carray(parts_at, (room[2],), np.uint64)
     none, final = np.uint64(0), np.int64((1 << bits) - 1)
     slot, last, at = np.int64(0), none, room[1]
-    before, number, salt = np.int64(-1), np.int32(0), none
+    label, role, number, salt = np.int32(-2), np.uint8(0), np.int32(0), none
     for n in range(runs):
         k, stop = n * run, min((n + 1) * run, count)
         slots[n] = 0
         while k < stop:
-            if group[k] != before:  # triangles of a group mostly follow one another
-                before = group[k]
-                number, salt = np.int32(before + 1), np.uint64(family[before] + 1) * FAMILY
-            begin, i = k, faces[k, 0]
-            lx = hx = points[i, 0]
-            ly = hy = points[i, 1]
-            lz = hz = points[i, 2]
-            while k < stop and group[k] == before:
-                i, j, m = faces[k, 0], faces[k, 1], faces[k, 2]
-                lx, hx = widened(lx, hx, points[i, 0], points[j, 0], points[m, 0])
-                ly, hy = widened(ly, hy, points[i, 1], points[j, 1], points[m, 1])
-                lz, hz = widened(lz, hz, points[i, 2], points[j, 2], points[m, 2])
-                k += 1
+            if labels[k] != label or roles[k] != role:  # triangles of a group mostly follow one another
+                label, role = labels[k], roles[k]
+                group = groups[role * width + label + 1]
+                number, salt = np.int32(group + 1), np.uint64(family[group] + 1) * FAMILY
+            begin = k
+            if vertices == 0:
+                lx, ly, lz = np.float64(few[n, 0]), np.float64(few[n, 1]), np.float64(few[n, 2])
+                hx, hy, hz = np.float64(few[n, 3]), np.float64(few[n, 4]), np.float64(few[n, 5])
+                while k < stop and labels[k] == label and roles[k] == role:
+                    k += 1
+            else:
+                i = faces[k, 0]
+                lx, ly, lz = points[i, 0], points[i, 1], points[i, 2]
+                hx, hy, hz = lx, ly, lz
+                while k < stop and labels[k] == label and roles[k] == role:
+                    i, j, m = faces[k, 0], faces[k, 1], faces[k, 2]
+                    lx, hx = widened(lx, hx, points[i, 0], points[j, 0], points[m, 0])
+                    ly, hy = widened(ly, hy, points[i, 1], points[j, 1], points[m, 1])
+                    lz, hz = widened(lz, hz, points[i, 2], points[j, 2], points[m, 2])
+                    k += 1
             lx, hx, ly, hy, lz, hz = lx - x, hx - x, ly - y, hy - y, lz - z, hz - z
             far = most(most(-lx, -ly, -lz, -lz), hx, hy, hz) * factor
             if not far < FAR:

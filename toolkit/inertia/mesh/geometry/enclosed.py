@@ -18,10 +18,12 @@ _MANY = 1 << 12  # triangles of a piece, of which few are picked before they are
 _CACHED = 1 << 14  # triangles that the compiled pass reads at a time
 _COLUMNS = 12  # as the kernel has them, and the next
 _TINY = 2.0**-900  # above what squares that underflow are off by
-MEASURE = Kernel("inertia.mesh.geometry.shell_kernel", "measure_shells", "pippi" + "pi" + "pp", fused=True)
+_MODULE, _ABI = "inertia.mesh.geometry.shell_kernel", "pippi" + "pi" + "pp"
+MEASURE = Kernel(_MODULE, "measure_shells", _ABI, fused=True)
+FINELY = Kernel(_MODULE, "measure_finely", _ABI + "p", fused=True)
 
-RUN = 64
-"""Triangles of a run."""
+RUN, FEW = 64, 4
+"""Triangles of a run, and of a few, that boxes are kept of."""
 
 NOISE = 1e-13
 """Rounding of a volume, over the sum of its terms' largest magnitudes."""
@@ -99,22 +101,34 @@ class Measured(NamedTuple):
     table : the box, six times the volume and other numbers of each piece (m, 12): see `shell_kernel`
     boxes : (k, 6), the least and the largest coordinates of each run
     shell : (k,), the piece of each run; negative where it is in none, or in several
+    few : (j, 6), boxes around each `FEW` triangles one after another; none where they were not asked for
     """
 
     table: Float
     boxes: Float
     shell: NDArray[np.int32]
+    few: NDArray[np.float32]
 
 
-def measured(triangles: Triangles, labels: NDArray[np.int32], count: int) -> Measured:
-    """Measure pieces, and runs of triangles."""
-    runs = -(-triangles.count // RUN)
-    pieces = Measured(np.zeros((count, _COLUMNS)), np.empty((runs, 6)), np.empty(runs, np.int32))
+def measured(triangles: Triangles, labels: NDArray[np.int32], count: int, *, few: bool = False) -> Measured:
+    """Measure pieces, and runs of triangles; with the boxes of a `few`, sizes must be in the range of float32."""
+    runs, more = -(-triangles.count // RUN), -(-triangles.count // FEW) if few else 0
+    boxes = np.empty((runs, 6)), np.empty(runs, np.int32), np.empty((more, 6), np.float32)
+    pieces = Measured(np.zeros((count, _COLUMNS)), *boxes)
     for which, *chunk in chunks(triangles, labels):
         first = which.start // RUN
-        places = pieces.boxes[first:].ctypes.data, pieces.shell[first:].ctypes.data
-        MEASURE.function(*chunk, address(pieces.table), count, *places)
+        own = *chunk, address(pieces.table), count, pieces.boxes[first:].ctypes.data, pieces.shell[first:].ctypes.data
+        if few:
+            FINELY.function(*own, pieces.few[which.start // FEW :].ctypes.data)
+        else:
+            MEASURE.function(*own)
     return pieces
+
+
+def in_runs(flags: NDArray[np.uint8], run: int, count: int) -> Int:
+    """Return which of `count` triangles are in runs that are flagged (k,), ascending."""
+    which = (run * np.flatnonzero(flags)[:, None] + np.arange(run)).ravel()
+    return which if len(which) == 0 or which[-1] < count else which[which < count]
 
 
 def all_outward(triangles: Triangles, labels: NDArray[np.int32], count: int) -> bool:

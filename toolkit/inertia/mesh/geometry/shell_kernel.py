@@ -19,6 +19,12 @@ many triangles it has."""
 RUN, MIXED = 64, -2
 """Triangles one after another whose box is kept, with their shell; this, where they are of several."""
 
+FEW = 4
+"""Triangles one after another whose box is kept for `enter_cells`."""
+
+ULP, SMALLEST = np.float32(2.0**-23), np.float32(2.0**-149)
+"""Of float32: what the next number is away, over a number's size, and at least."""
+
 LARGE = 1 << 12
 """Triangles of a shell above which the sphere around it is that of the boxes of its runs."""
 
@@ -68,10 +74,79 @@ def most(a, b, c, d):
     return larger(larger(a, b), larger(c, d))
 
 
-def measure_shells(vertices_at, vertices, faces_at, labels_at, count, table_at, shells, boxes_at, shell_at):
+@njit(error_model="numpy", forceinline=True)
+def below(x):
+    """Return a float32 no larger than a number."""
+    value = np.float32(x)
+    return value - (abs(value) * ULP + SMALLEST)
+
+
+@njit(error_model="numpy", forceinline=True)
+def above(x):
+    """Return a float32 no smaller than a number."""
+    value = np.float32(x)
+    return value + (abs(value) * ULP + SMALLEST)
+
+
+@njit(error_model="numpy", forceinline=True)
+def around(few, n, lx, ly, lz, hx, hy, hz):
+    """Write a box as float32 around it."""
+    few[n, 0], few[n, 1], few[n, 2] = below(lx), below(ly), below(lz)
+    few[n, 3], few[n, 4], few[n, 5] = above(hx), above(hy), above(hz)
+
+
+@njit(error_model="numpy", forceinline=True)
+def enclose(corners, faces, start, stop, few):
+    """Write boxes around each `FEW` of some triangles."""
+    for begin in range(start, stop, FEW):
+        i = faces[begin, 0]
+        lx, ly, lz = corners[i, 0], corners[i, 1], corners[i, 2]
+        hx, hy, hz = lx, ly, lz
+        for k in range(begin, min(begin + FEW, stop)):
+            p, q, r = faces[k, 0], faces[k, 1], faces[k, 2]
+            x0, y0, z0 = corners[p, 0], corners[p, 1], corners[p, 2]
+            x1, y1, z1 = corners[q, 0], corners[q, 1], corners[q, 2]
+            x2, y2, z2 = corners[r, 0], corners[r, 1], corners[r, 2]
+            lx, ly, lz = least(lx, x0, x1, x2), least(ly, y0, y1, y2), least(lz, z0, z1, z2)
+            hx, hy, hz = most(hx, x0, x1, x2), most(hy, y0, y1, y2), most(hz, z0, z1, z2)
+        around(few, begin // FEW, lx, ly, lz, hx, hy, hz)
+
+
+@njit(error_model="numpy", forceinline=True)
+def alike(labels, start, stop, count):
+    """Say whether triangles are of one shell, all of which there are."""
+    if stop > count or start % RUN != 0 or labels[start] < 0:
+        return False
+    same = True
+    for k in range(start, start + RUN):
+        same &= labels[k] == labels[start]
+    return same
+
+
+@njit(error_model="numpy", forceinline=True)
+def added(corners, faces, k, x, y, z, box, volume, size):
+    """Return a box, a volume about a place and the squares of what it is made of with another triangle."""
+    lx, ly, lz, hx, hy, hz = box
+    p, q, r = faces[k, 0], faces[k, 1], faces[k, 2]
+    x0, y0, z0 = corners[p, 0], corners[p, 1], corners[p, 2]
+    x1, y1, z1 = corners[q, 0], corners[q, 1], corners[q, 2]
+    x2, y2, z2 = corners[r, 0], corners[r, 1], corners[r, 2]
+    lx, ly, lz = least(lx, x0, x1, x2), least(ly, y0, y1, y2), least(lz, z0, z1, z2)
+    hx, hy, hz = most(hx, x0, x1, x2), most(hy, y0, y1, y2), most(hz, z0, z1, z2)
+    ux, uy, uz = x1 - x0, y1 - y0, z1 - z0
+    vx, vy, vz = x2 - x0, y2 - y0, z2 - z0
+    ax, ay, az = x0 - x, y0 - y, z0 - z
+    volume += ax * (uy * vz - uz * vy) + ay * (uz * vx - ux * vz) + az * (ux * vy - uy * vx)
+    size += (ax * ax + ay * ay + az * az) * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
+    return (lx, ly, lz, hx, hy, hz), volume, size
+
+
+@njit(error_model="numpy", forceinline=True)
+def measure(vertices_at, vertices, faces_at, labels_at, count, table_at, shells, boxes_at, shell_at, few_at, fine):
     """Add triangles to the rows of their shells, zero at first; volumes are about a place on the first triangle.
 
-    Of each run of triangles the box, (n, 6), and the shell, (n,), are written.
+    Of each run of triangles the box, (n, 6), and the shell, (n,), are written, and with `fine` boxes around each `FEW`
+    triangles of whatever shells, (n, 6).
     """
     corners = carray(vertices_at, (vertices, 3), np.float64)
     faces = carray(faces_at, (count, 3), np.int64)
@@ -79,6 +154,7 @@ def measure_shells(vertices_at, vertices, faces_at, labels_at, count, table_at, 
     table = carray(table_at, (shells, COLUMNS), np.float64)
     runs = (count + RUN - 1) // RUN
     boxes, shell = carray(boxes_at, (runs, 6), np.float64), carray(shell_at, (runs,), np.int32)
+    few = carray(few_at, ((count + FEW - 1) // FEW, 6), np.float32)
     for n in range(runs):
         k, stop = n * RUN, min((n + 1) * RUN, count)
         shell[n] = labels[k]
@@ -100,18 +176,20 @@ def measure_shells(vertices_at, vertices, faces_at, labels_at, count, table_at, 
             volume, size = table[row, 6], table[row, 7]
             x, y, z = table[row, 8], table[row, 9], table[row, 10]
             begin = k
+            if fine and alike(labels, k, n * RUN + RUN, count):
+                while k < stop:
+                    p, number = faces[k, 0], k // FEW
+                    box = corners[p, 0], corners[p, 1], corners[p, 2], corners[p, 0], corners[p, 1], corners[p, 2]
+                    for _ in range(FEW):
+                        box, volume, size = added(corners, faces, k, x, y, z, box, volume, size)
+                        k += 1
+                    (ax, ay, az, bx, by, bz) = box
+                    around(few, number, ax, ay, az, bx, by, bz)
+                    lx, ly, lz = smaller(lx, ax), smaller(ly, ay), smaller(lz, az)
+                    hx, hy, hz = larger(hx, bx), larger(hy, by), larger(hz, bz)
             while k < stop and labels[k] == row:
-                p, q, r = faces[k, 0], faces[k, 1], faces[k, 2]
-                x0, y0, z0 = corners[p, 0], corners[p, 1], corners[p, 2]
-                x1, y1, z1 = corners[q, 0], corners[q, 1], corners[q, 2]
-                x2, y2, z2 = corners[r, 0], corners[r, 1], corners[r, 2]
-                lx, ly, lz = least(lx, x0, x1, x2), least(ly, y0, y1, y2), least(lz, z0, z1, z2)
-                hx, hy, hz = most(hx, x0, x1, x2), most(hy, y0, y1, y2), most(hz, z0, z1, z2)
-                ux, uy, uz = x1 - x0, y1 - y0, z1 - z0
-                vx, vy, vz = x2 - x0, y2 - y0, z2 - z0
-                ax, ay, az = x0 - x, y0 - y, z0 - z
-                volume += ax * (uy * vz - uz * vy) + ay * (uz * vx - ux * vz) + az * (ux * vy - uy * vx)
-                size += (ax * ax + ay * ay + az * az) * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
+                box = lx, ly, lz, hx, hy, hz
+                (lx, ly, lz, hx, hy, hz), volume, size = added(corners, faces, k, x, y, z, box, volume, size)
                 k += 1
             if k - begin == stop - n * RUN:
                 boxes[n, 0], boxes[n, 1], boxes[n, 2] = lx, ly, lz
@@ -123,7 +201,21 @@ def measure_shells(vertices_at, vertices, faces_at, labels_at, count, table_at, 
             table[row, 3], table[row, 4], table[row, 5] = hx, hy, hz
             table[row, 6], table[row, 7] = volume, size
             table[row, 11] += k - begin
+        if fine and not alike(labels, n * RUN, n * RUN + RUN, count):
+            enclose(corners, faces, n * RUN, stop, few)
     return 0
+
+
+def measure_shells(vertices_at, vertices, faces_at, labels_at, count, table_at, shells, boxes_at, shell_at):
+    """Measure shells as `measure` does, without boxes around a few triangles."""
+    given = vertices_at, vertices, faces_at, labels_at, count, table_at, shells, boxes_at, shell_at
+    return measure(*given, boxes_at, False)
+
+
+def measure_finely(vertices_at, vertices, faces_at, labels_at, count, table_at, shells, boxes_at, shell_at, few_at):
+    """Measure shells as `measure` does, with boxes around a few triangles."""
+    given = vertices_at, vertices, faces_at, labels_at, count, table_at, shells, boxes_at, shell_at
+    return measure(*given, few_at, True)
 
 
 def curve_places(table_at, shells, cells, noise, stored, bits, box_at, boxes_at, places_at):

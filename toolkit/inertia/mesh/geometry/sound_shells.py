@@ -32,10 +32,10 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.boxes import CELLS
 from inertia.mesh.geometry.closure import Closure
-from inertia.mesh.geometry.common_cells import MOSTLY
+from inertia.mesh.geometry.common_cells import MOSTLY, Groups
 from inertia.mesh.geometry.edge_fans import layered
 from inertia.mesh.geometry.edges import duplicates
-from inertia.mesh.geometry.enclosed import MEASURE, NOISE, RUN, STORED, Measured, chunks, measured
+from inertia.mesh.geometry.enclosed import FINELY, MEASURE, NOISE, RUN, STORED, Measured, chunks, in_runs, measured
 from inertia.mesh.geometry.faces import merge_equal_vertices
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.touching import FIND, touching_groups
@@ -52,7 +52,7 @@ _CAST = Kernel(_MODULE, "cast_rays", "pippi" + "pi" + "ppppp" + "ppip" + "i" + "
 _NEAR = Kernel(_MODULE, "near_children", "pippi" + "pi" + "ppppp" + "ppp", fused=True)
 _COPY = Kernel(_PARTING, "copy_shells", "pippi" + "ipipp" + "pppi")
 _PART = Kernel(_PARTING, "part_shells", "pippp" + "ippppi" + "pppi" + "ppppi", fused=True)
-_KERNELS = MEASURE, _PLACES, _SORT, _MEET, _ASK, _CAST, _NEAR, _COPY, _PART, FIND
+_KERNELS = MEASURE, FINELY, _PLACES, _SORT, _MEET, _ASK, _CAST, _NEAR, _COPY, _PART, FIND
 _COUNTS = 6, 1 << 11  # as the kernels have them
 _FEW = 1 << 12  # shells that numpy sorts in less time than it takes to clear the counts
 _MEETS, _INSIDE, _NEARBY, _WHOLE = 1, 2, 8, 16
@@ -63,7 +63,7 @@ _LEAST_BITS = 3  # so that differences of places are below the kernel's FAR
 _IN_RANGE = 100  # powers of two, of sizes whose products are far from the ends of float64
 _SPARSE, _SOME = 0.25, 1 << 18  # of triangles, those that are copied to be looked at by themselves; in any case
 _LARGE = 1 << 12  # triangles of a shell, of which spheres and boxes around it tell few apart
-_SAMPLE, _MANY = 1 << 10, 0.4  # triangles looked at first; the share of them above which all are taken
+_SAMPLE, _MANY = 1 << 8, 0.4  # triangles looked at first; the share of them above which all are taken
 _POINTS = 2  # in a cell of those by which they are looked up, about
 
 
@@ -120,7 +120,8 @@ def _nesting(triangles: Triangles, closure: Closure, streamed: bool) -> Nesting 
         return None
     if closure.crowded and not len(closure.at_crowded):
         return None
-    pieces = measured(triangles, closure.labels, count)
+    few = not streamed and count > 1 and triangles.count >= _LARGE * count
+    pieces = measured(triangles, closure.labels, count, few=few)
     table = pieces.table
     box, boxes = np.empty((2, 3)), np.empty((count, 6), np.float32)
     places, bits = np.empty(count, np.uint64), max(count.bit_length(), _LEAST_BITS)
@@ -157,7 +158,7 @@ def _nesting(triangles: Triangles, closure: Closure, streamed: bool) -> Nesting 
     if inner:
         ranked = np.argsort(parent[order], kind="stable")
         tree = _Boxes.of(table, boxes, order[ranked], places[ranked], parent[order[ranked]])
-    suspects = _suspects(triangles, closure, table, tree, parent, radii, streamed)
+    suspects = _suspects(triangles, closure, pieces, tree, parent, radii, streamed)
     more = None if suspects is None else _layered(triangles, closure, parent, depth)
     return None if suspects is None or more is None else Nesting(parent, depth, np.union1d(suspects, more))
 
@@ -239,7 +240,7 @@ def _nest(
     _ASK.function(address(table), count, *map(address, (tree.flags, tree.spots, radii)), *of_points, *of_runs)
     own, labels = triangles, closure.labels
     if RUN * np.count_nonzero(asked) < (_SOME if streamed else _SPARSE * triangles.count):
-        which = np.flatnonzero(np.repeat(asked, RUN)[: triangles.count])
+        which = in_runs(asked, RUN, triangles.count)
         own, labels = triangles.select(which), labels[which]
     of_shells = [address(each) for each in (tree.flags, tree.spots, signs, numbers, radii)]
     for _, *chunk in chunks(own, labels):
@@ -257,13 +258,14 @@ def _nest(
 def _suspects(
     triangles: Triangles,
     closure: Closure,
-    table: Float,
+    pieces: Measured,
     tree: _Boxes,
     parent: Int,
     radii: Float,
     streamed: bool,
 ) -> Int | None:
     """Return the shells that may meet one next inside them or another in their region; None where these are many."""
+    table, boxes = pieces.table, pieces.few if len(pieces.few) else None
     count, order, none = len(table), tree.order, np.empty(0, np.int64)
     near = np.zeros(triangles.count, np.uint8)
     if (parent >= 0).any():
@@ -275,7 +277,7 @@ def _suspects(
     meeting, within = _unparted(triangles, closure, table, tree, parent)
     nearby = (tree.flags & _NEARBY) != 0
     if nearby.any():
-        within |= np.append(nearby, False)[closure.labels]  # the last is that of triangles in none
+        within |= np.append(nearby, False).astype(np.uint8).take(closure.labels)  # the last is that of those in none
         meeting |= nearby
     # Each region is a family of its own: the shell around it, as far as it is near, and what meets there in it.
     base = np.arange(1, count + 1) * (count + 1)
@@ -285,19 +287,19 @@ def _suspects(
     keys = np.concatenate([place[meeting], base[shells]])
     ranked = np.argsort(keys)
     keys, whose = keys[ranked], np.concatenate([np.flatnonzero(meeting), shells])[ranked]
-    own, labels, role = triangles, closure.labels, within | near << 1
+    own, labels, role = triangles, closure.labels, within | near << np.uint8(1)
     if (role == _BOTH).any():
         both = np.flatnonzero(within), np.flatnonzero(near)
-        which, role = np.concatenate(both), np.repeat(np.array([1, 2]), [len(each) for each in both])
-        own, labels = triangles.select(which), labels[which]
+        which, role = np.concatenate(both), np.repeat(np.array([1, 2], np.uint8), [len(each) for each in both])
+        own, labels, boxes = triangles.select(which), labels[which], None
     elif np.count_nonzero(role) < MOSTLY * triangles.count:
         which = np.flatnonzero(role)
-        own, labels, role = triangles.select(which), labels[which], role[which]
+        own, labels, role, boxes = triangles.select(which), labels[which], role[which], None
     # What is not asked for is a family of its own.
-    groups = np.full((3, count + 1), len(keys))
-    groups[1, :-1], groups[2, :-1] = np.searchsorted(keys, place), np.searchsorted(keys, base)
+    numbers = np.full((3, count + 1), len(keys))
+    numbers[1, 1:], numbers[2, 1:] = np.searchsorted(keys, place), np.searchsorted(keys, base)
     family = np.append(keys // (count + 1), count + 1)
-    pairs = touching_groups(own, groups.take(role.astype(np.int64) * (count + 1) + labels), family, few=True)
+    pairs = touching_groups(own, Groups(labels, role, numbers), family, boxes=boxes, stop=True)
     return None if pairs is None else np.unique(whose[pairs])
 
 
@@ -322,8 +324,8 @@ def _near_children(
     ):
         return asked(triangles, labels, tree.flags)
     tree.flags[parent >= 0] |= _NEARBY
-    holds = np.append(ranges[:, 0] < ranges[:, 1], False)  # the last is that of triangles in none
-    return holds[labels].astype(np.uint8)
+    holds = np.append(ranges[:, 0] < ranges[:, 1], False).astype(np.uint8)  # the last is that of triangles in none
+    return holds.take(labels)
 
 
 def _unparted(

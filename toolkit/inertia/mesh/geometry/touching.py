@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Float, Int, distinct_pairs
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
-from inertia.mesh.geometry.common_cells import MOSTLY, in_common_cells
+from inertia.mesh.geometry.common_cells import MOSTLY, Groups, in_common_cells
 from inertia.mesh.geometry.intersect import CompiledTree
 from inertia.mesh.surface import Triangles
 from inertia.native import Kernel
@@ -52,32 +52,42 @@ def touching_bodies(
     rank = np.empty(len(boxes), np.int64)
     rank[bodies.order] = np.arange(len(boxes))
     own = triangles if within.all() else triangles.select(which)
-    pairs = touching_groups(own, rank[labels[which]], np.zeros(len(boxes), np.int64), few=few)
+    groups = Groups.of(labels[which].astype(np.int32), rank)
+    pairs = touching_groups(own, groups, np.zeros(len(boxes), np.int64), stop=few)
     return None if pairs is None else distinct_pairs(np.sort(bodies.order[pairs], axis=1))
 
 
-def touching_groups(triangles: Triangles, groups: Int, family: Int, *, few: bool = False) -> Int | None:
+def touching_groups(
+    triangles: Triangles,
+    groups: Groups,
+    family: Int,
+    *,
+    boxes: NDArray[np.float32] | None = None,
+    stop: bool = False,
+) -> Int | None:
     """Return the pairs (k, 2) of groups, of one family, whose triangles may meet; those of other pairs are sure not to.
 
     Parameters
     ----------
-    groups : (n,) the group of each triangle
+    groups : those of n triangles
     family : (m,) that of each group, ascending
-    few : whether to stop where there are more than some thousand, and return None
+    boxes : around each few triangles, as for `in_common_cells`
+    stop : whether to stop where there are more than some thousand, and return None
     """
-    if len(groups) == 0:
+    if triangles.count == 0:
         return np.empty((0, 2), np.int64)
-    if not FIND.worthwhile(_WORK * len(groups)):
+    if not FIND.worthwhile(_WORK * triangles.count):
         return None
-    near = in_common_cells(triangles, groups, family)
-    if near is not None and len(near) < MOSTLY * len(groups):
-        triangles, groups = triangles.select(near), groups[near]
+    near = in_common_cells(triangles, groups, family, boxes)
+    if near is not None and len(near) < MOSTLY * triangles.count:
+        triangles, groups = triangles.select(near), groups.select(near)
         if len(near) == 0:
             return np.empty((0, 2), np.int64)
-    tree = CompiledTree.over(triangles, groups)
+    each = groups.each()
+    tree = CompiledTree.over(triangles, each)
     if tree is None:
         return None
-    label = groups[tree.order]
+    label = each[tree.order]
     axis, stack, state = np.zeros(3), np.zeros((256, 3), np.int64), np.array([1, 0])
     stack[0, 0] = tree.levels - 1
     pairs = np.empty((PAIRS, 2), np.int64)
@@ -89,7 +99,7 @@ def touching_groups(triangles: Triangles, groups: Int, family: Int, *, few: bool
         FIND.function(*tables, PAIRS, _address(state))
         if state[1]:
             results.append(distinct_pairs(np.sort(pairs[: state[1]], axis=1)))
-        if few and state[0]:
+        if stop and state[0]:
             return None
     return distinct_pairs(np.concatenate(results))
 
