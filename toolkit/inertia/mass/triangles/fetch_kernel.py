@@ -18,6 +18,9 @@ DEPTH = 32
 GROUP = 4
 """Triangles brought into the lanes together."""
 
+EIGHT = 8
+"""The same, where their extents are taken too."""
+
 RECORD, CORNER = 50, 12
 """Bytes of a binary STL record, and of its normal and of each of the three corners that follow."""
 
@@ -178,3 +181,60 @@ def lowered(least, a, b, c):
 def raised(most, a, b, c):
     """Return the largest of an extent and three coordinates."""
     return greater(greater(a, greater(b, c)), most)
+
+
+@intrinsic
+def eight_facets(context, records, lane, extents):
+    """Store the corners of eight records as rows of float64, and widen extents, (6, EIGHT) of float32, by them.
+
+    Extents of float32 take half the steps of those of float64.
+    """
+
+    def code(context, builder, signature, arguments):
+        number = ir.FloatType()
+        four, eight, wide = (ir.VectorType(*of) for of in ((number, 4), (number, EIGHT), (ir.DoubleType(), EIGHT)))
+        records, lane, extents = arguments
+
+        def at(base, offset, kind):
+            return builder.bitcast(builder.gep(base, [ir.IntType(64)(offset)]), kind.as_pointer())
+
+        def mixed(one, other, *places):
+            return builder.shuffle_vector(one, other, ir.Constant(ir.VectorType(ir.IntType(32), len(places)), places))
+
+        def columns(offset):
+            """Return four numbers one after another of the records."""
+            rows = [builder.load(at(records, k * RECORD + offset, four), align=2) for k in range(EIGHT)]
+            a, b, c, d = (mixed(rows[k], rows[k + 4], *range(EIGHT)) for k in range(4))
+            found = []
+            for pairs in ((0, 8, 1, 9, 4, 12, 5, 13), (2, 10, 3, 11, 6, 14, 7, 15)):
+                one, other = mixed(a, b, *pairs), mixed(c, d, *pairs)
+                found += [mixed(one, other, 0, 1, 8, 9, 4, 5, 12, 13), mixed(one, other, 2, 3, 10, 11, 6, 7, 14, 15)]
+            return found
+
+        rows = [*columns(CORNER), *columns(CORNER + 16), columns(CORNER + 20)[3]]
+        for k, row in enumerate(rows):
+            builder.store(builder.fpext(row, wide), at(lane, k * LANES * 8, wide), align=8 * EIGHT)
+        for k, sign in enumerate("<<<>>>"):
+            place = at(extents, k * EIGHT * 4, eight)
+            best = builder.load(place, align=4)
+            for row in rows[k % 3 :: 3]:
+                best = builder.select(builder.fcmp_ordered(sign, row, best), row, best)
+            builder.store(best, place, align=4)
+        return context.get_dummy_value()
+
+    return types.void(types.voidptr, types.voidptr, types.voidptr), code
+
+
+@njit(inline="always")
+def fetch_eights(records, start, count, corner_at, corner, extents_at, extents):
+    """Fill the lanes as `fetch_facets` does, and widen extents, (6, EIGHT) of float32, by the triangles."""
+    if start + LANES <= count:
+        for j in range(0, LANES, EIGHT):
+            eight_facets(address(records, (start + j) * RECORD), address(corner_at, j * 8), extents_at)
+    else:
+        fetch_facets(records, start, count, corner_at, corner)
+        for axis in range(3):
+            for lane in range(LANES):
+                for k in range(axis, 9, 3):
+                    extents[axis, 0] = min(extents[axis, 0], np.float32(corner[k, lane]))
+                    extents[axis + 3, 0] = max(extents[axis + 3, 0], np.float32(corner[k, lane]))

@@ -11,7 +11,7 @@ import numpy as np
 from numba import carray, njit
 
 from inertia.mass.triangles.double_double_kernel import fma
-from inertia.mass.triangles.fetch_kernel import DEPTH, LANES, fetch_faces, fetch_facets, lowered, raised
+from inertia.mass.triangles.fetch_kernel import DEPTH, EIGHT, LANES, address, fetch_eights, fetch_faces, lowered, raised
 
 HIGH, LOW, EDGES, SIZE, REST, AREA = 0, 10, 20, 23, 24, 25
 """Rows of the ten sums, their remainders, the squares of edges, |d|, the magnitudes of its remainders, |n|."""
@@ -19,8 +19,8 @@ HIGH, LOW, EDGES, SIZE, REST, AREA = 0, 10, 20, 23, 24, 25
 LEAST, MOST, FAR, ROWS = 26, 29, 32, 34
 """Rows of the least and the largest coordinates, of the largest |A| along the two sheared axes; of all."""
 
-ROOM = 10
-"""Rows of what the ten sums start from."""
+ROOM = 11
+"""Rows of what the ten sums start from, and of the extents of STL records as they are stored."""
 
 TOP = 1.5 * 2.0**52
 """Times a step of a grid: what rounds to that grid where it is added."""
@@ -103,7 +103,7 @@ def across(fine, row, j, d, low, both, corners, left, others, rest):
 def triangle(fine, j, top, x, y, z, left):
     """Add a triangle to a lane and return its normal; its corners along an axis are on the grid, but for what is left.
 
-    The extents and the area are not added.
+    The area is not added.
     """
     (ax, bx, cx), (ay, by, cy), (az, bz, cz) = x, y, z
     (rx, sx, tx), (ry, sy, ty), (rz, sz, tz) = left
@@ -156,12 +156,6 @@ def add_plain(corner, fine, top, origin, steps):
         ax, ay, az = corner[0, j], corner[1, j], corner[2, j]
         bx, by, bz = corner[3, j], corner[4, j], corner[5, j]
         cx, cy, cz = corner[6, j], corner[7, j], corner[8, j]
-        fine[LEAST, j] = lowered(fine[LEAST, j], ax, bx, cx)
-        fine[MOST, j] = raised(fine[MOST, j], ax, bx, cx)
-        fine[LEAST + 1, j] = lowered(fine[LEAST + 1, j], ay, by, cy)
-        fine[MOST + 1, j] = raised(fine[MOST + 1, j], ay, by, cy)
-        fine[LEAST + 2, j] = lowered(fine[LEAST + 2, j], az, bz, cz)
-        fine[MOST + 2, j] = raised(fine[MOST + 2, j], az, bz, cz)
         rx, sx, tx = near(ax, f), near(bx, f), near(cx, f)
         ry, sy, ty = near(ay, g), near(by, g), near(cy, g)
         rz, sz, tz = near(az, h), near(bz, h), near(cz, h)
@@ -169,6 +163,21 @@ def add_plain(corner, fine, top, origin, steps):
         on_x, on_y, on_z = (rx - x, sx - x, tx - x), (ry - y, sy - y, ty - y), (rz - z, sz - z, tz - z)
         nx, ny, nz = triangle(fine, j, top, on_x, on_y, on_z, left)
         fine[AREA, j] += area(nx, ny, nz)
+
+
+@njit(inline="always")
+def widen(corner, fine):
+    """Widen the extents of each lane by a triangle."""
+    for j in range(LANES):
+        ax, ay, az = corner[0, j], corner[1, j], corner[2, j]
+        bx, by, bz = corner[3, j], corner[4, j], corner[5, j]
+        cx, cy, cz = corner[6, j], corner[7, j], corner[8, j]
+        fine[LEAST, j] = lowered(fine[LEAST, j], ax, bx, cx)
+        fine[MOST, j] = raised(fine[MOST, j], ax, bx, cx)
+        fine[LEAST + 1, j] = lowered(fine[LEAST + 1, j], ay, by, cy)
+        fine[MOST + 1, j] = raised(fine[MOST + 1, j], ay, by, cy)
+        fine[LEAST + 2, j] = lowered(fine[LEAST + 2, j], az, bz, cz)
+        fine[MOST + 2, j] = raised(fine[MOST + 2, j], az, bz, cz)
 
 
 @njit(inline="always")
@@ -205,12 +214,6 @@ def add_sheared(corner, fine, top, origin, steps, axes, factors, finer):
         ax, ay, az = along_axes(axes, (corner[0, n], corner[1, n], corner[2, n]))
         bx, by, bz = along_axes(axes, (corner[3, n], corner[4, n], corner[5, n]))
         cx, cy, cz = along_axes(axes, (corner[6, n], corner[7, n], corner[8, n]))
-        fine[LEAST, n] = lowered(fine[LEAST, n], ax, bx, cx)
-        fine[MOST, n] = raised(fine[MOST, n], ax, bx, cx)
-        fine[LEAST + 1, n] = lowered(fine[LEAST + 1, n], ay, by, cy)
-        fine[MOST + 1, n] = raised(fine[MOST + 1, n], ay, by, cy)
-        fine[LEAST + 2, n] = lowered(fine[LEAST + 2, n], az, bz, cz)
-        fine[MOST + 2, n] = raised(fine[MOST + 2, n], az, bz, cz)
         ai, aj, ak = near(ax, f), near(ay, g), near(az, h)
         bi, bj, bk = near(bx, f), near(by, g), near(bz, h)
         ci, cj, ck = near(cx, f), near(cy, g), near(cz, h)
@@ -250,11 +253,10 @@ def end(fine, start, out, block, axes):
         for n in range(3):
             for several in (1, 4, 7):
                 out[block, row + several + axes[n]] = sign * fine[row + several + n, 0]
-    out[block, SIZE], out[block, REST], out[block, AREA] = fine[SIZE, 0], fine[REST, 0], fine[AREA, 0]
     for n in range(3):
-        for several in (EDGES, LEAST, MOST):
-            out[block, several + axes[n]] = fine[several + n, 0]
-    out[block, FAR], out[block, FAR + 1] = fine[FAR, 0], fine[FAR + 1, 0]
+        out[block, EDGES + axes[n]] = fine[EDGES + n, 0]
+    for row in range(SIZE, ROWS):
+        out[block, row] = fine[row, 0]
 
 
 @njit(inline="always")
@@ -269,6 +271,8 @@ def sum_facets(records, count, x, y, z, dx, dy, dz, unit, first, second, third, 
     """Sum `count` binary STL records, about (x, y, z) on the grid of steps (dx, dy, dz) and, sheared, (ex, ey, ez)."""
     room = carray(scratch, (9 + ROWS + ROOM, LANES), np.float64)
     corner, fine, start = room[:9], room[9 : 9 + ROWS], room[9 + ROWS :]
+    stored = address(scratch, (9 + ROWS + LOW) * LANES * 8)
+    extents = carray(stored, (6, EIGHT), np.float32)
     is_sheared, factors = first >= 0, (k, m, n)
     axes, origin, steps, finer = in_order((first, second, third), (x, y, z), (dx, dy, dz), (ex, ey, ez))
     prepare(start, finer, unit)
@@ -276,12 +280,18 @@ def sum_facets(records, count, x, y, z, dx, dy, dz, unit, first, second, third, 
     out = carray(out_at, (blocks, ROWS), np.float64)
     for block in range(blocks):
         begin(fine, start)
+        for lane in range(EIGHT):
+            for axis in range(3):
+                extents[axis, lane], extents[axis + 3, lane] = np.inf, -np.inf
         for begins in range(block * LANES * DEPTH, min((block + 1) * LANES * DEPTH, count), LANES):
-            fetch_facets(records, begins, count, scratch, corner)
+            fetch_eights(records, begins, count, scratch, corner, stored, extents)
             if is_sheared:
                 add_sheared(corner, fine, TOP * unit, origin, steps, axes, factors, finer)
             else:
                 add_plain(corner, fine, TOP * unit, origin, steps)
+        for lane in range(EIGHT):
+            for axis in range(6):
+                fine[LEAST + axis, lane] = extents[axis, lane]
         end(fine, start, out, block, axes)
     return 0
 
@@ -302,6 +312,7 @@ def sum_faces(
         begin(fine, start)
         for begins in range(block * LANES * DEPTH, min((block + 1) * LANES * DEPTH, count), LANES):
             fetch_faces(vertices, faces, begins, count, scratch, corner)
+            widen(corner, fine)
             if is_sheared:
                 add_sheared(corner, fine, TOP * unit, origin, steps, axes, factors, finer)
             else:

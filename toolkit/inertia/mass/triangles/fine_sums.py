@@ -58,7 +58,7 @@ KERNEL = BlockKernel(
     Kernel("inertia.mass.triangles.fine_kernel", "sum_facets", "pi" + _ABI, wide=True),
     Kernel("inertia.mass.triangles.fine_kernel", "sum_faces", "ppi" + _ABI, wide=True),
     columns=ROWS,
-    room=10,
+    room=11,
 )
 
 _SAMPLE = Kernel("inertia.mass.triangles.sample_kernel", "measure_sample", "piip")
