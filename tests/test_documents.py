@@ -73,6 +73,11 @@ def test_what_is_no_path_is_not_loaded(place: object) -> None:
         Note.load(place)
 
 
+def test_a_name_in_another_encoding_is_called_so() -> None:
+    with pytest.raises(UsageError, match=r'is "b\\udcff", with the byte 0xff: rename it in UTF-8$'):
+        Note.from_dict({"schema": 3, "value": "b\udcff"})
+
+
 def test_a_field_that_is_none_is_not_stated() -> None:
     body = {"principal_moments": [1, 2, 3], "mass": None}
     start = {"angular_velocity": [0, 0, 1], "attitude": None, "frame": None}

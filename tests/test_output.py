@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from inertia.errors import InertiaError, UsageError
-from inertia.output import remove_left_behind, require_writable, temporary_folder, together, write_whole
+from inertia.output import remove_left_behind, require_writable, temporary_folder, together, whole, write_whole
 
 
 def test_a_file_that_is_there_is_kept_unless_forced(tmp_path: Path) -> None:
@@ -25,7 +25,7 @@ def test_a_file_that_is_there_is_kept_unless_forced(tmp_path: Path) -> None:
     ("name", "kind", "message"),
     [
         ("run.txt", UsageError, "must end in .svg or .rrd"),
-        ("folder.rrd", UsageError, "it is a directory"),
+        ("folder.rrd", UsageError, "it is a directory: name a file in it"),
         ("none/run.rrd", InertiaError, "No such file or directory: name a folder that is there"),
         ("long" * 64 + ".rrd", InertiaError, "File name too long: give a shorter name"),
     ],
@@ -45,6 +45,53 @@ def test_an_unwritable_folder_is_refused() -> None:
 def test_asking_leaves_nothing_behind(tmp_path: Path) -> None:
     require_writable(tmp_path / "part.stl", ".stl")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("suffixes", [(), (".rrd",)])
+def test_a_name_that_is_empty_is_called_so(suffixes: tuple[str, ...]) -> None:
+    with pytest.raises(UsageError, match=r"^the name of a file to be written is empty: name one$"):
+        require_writable("", *suffixes)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such permissions")
+@pytest.mark.parametrize("rights", [0o600, 0o660, 0o755, 0o444, 0o000])
+def test_a_file_that_is_replaced_hands_on_its_permissions(tmp_path: Path, rights: int) -> None:
+    file = tmp_path / "table.csv"
+    file.write_bytes(b"old")
+    file.chmod(rights)
+    link = tmp_path / "link.csv"
+    link.symlink_to(file)
+    with whole(link) as beside:
+        assert beside.stat().st_mode & 0o077 == 0
+        beside.write_bytes(b"new")
+    status = file.stat()
+    assert status.st_mode & 0o777 == rights
+    file.chmod(0o600)
+    assert file.read_bytes() == b"new"
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root gives files away")
+def test_a_file_that_is_replaced_hands_on_its_owner_and_group(tmp_path: Path) -> None:
+    file = tmp_path / "table.csv"
+    file.write_bytes(b"old")
+    os.chown(file, 1234, 4321)
+    write_whole(file, b"new")
+    assert (file.stat().st_uid, file.stat().st_gid) == (1234, 4321)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such permissions")
+def test_a_group_that_cannot_be_handed_on_leaves_none_with_rights(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*arguments: object) -> None:
+        raise PermissionError
+
+    file = tmp_path / "table.csv"
+    file.write_bytes(b"old")
+    file.chmod(0o660)
+    monkeypatch.setattr(os, "chown", refuse)
+    write_whole(file, b"new")
+    assert file.stat().st_mode & 0o777 == 0o600
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="links need a privilege")

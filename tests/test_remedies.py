@@ -115,6 +115,35 @@ def test_what_is_advised_can_be_done_and_was_not_done(
     assert advised <= actions(takes).keys()
 
 
+@pytest.mark.parametrize("file", BROKEN, ids=lambda file: file.stem)
+@pytest.mark.parametrize(
+    ("head", "more", "table"),
+    [
+        ("[body]", "", "[body]"),
+        (
+            '[[part]]\nname = "r"',
+            '[[part]]\nname = "c"\nparent = "r"\nmass = 1\nprincipal_moments = [1, 1, 1]\n',
+            "[[part]]",
+        ),
+    ],
+)
+def test_what_a_scene_advises_is_a_field_of_it_or_done_with_analyse(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, file: Path, head: str, more: str, table: str
+) -> None:
+    scene = tmp_path / "scene.toml"
+    moves = "[start]\nangular_velocity = [1, 2, 3]\n[run]\nduration = 1\n"
+    scene.write_text(f'{head}\npart = "{file}"\nunit = "mm"\n{more}{moves}')
+    for command in ("simulate", "trade"):
+        main([command, str(scene)])
+        text = "".join(capsys.readouterr()).replace(str(file), "")
+        advised = {match[0] for match in NAMED.finditer(text)}
+        assert "--allow-faults" not in advised
+        assert not advised or "(with `inertia analyse`: a scene takes sound solids only, and surfaces" in text
+    for allowed in re.findall(rf"; (allow_faults = \S+) in (?:its )?{re.escape(table)} gives an answer", text):
+        scene.write_text(f'{head}\npart = "{file}"\nunit = "mm"\n{allowed}\n{more}{moves}')
+        assert main(["simulate", str(scene)]) == 0
+
+
 def test_options_stand_for_fields_that_there_are() -> None:
     assert set(simulate.FIELDS.values()) <= actions("tumble").keys()
     assert set(balance.FIELDS.values()) - {""} <= actions("balance").keys()

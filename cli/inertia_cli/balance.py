@@ -8,9 +8,17 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from inertia.errors import GeometryError, ReadError, UsageError
-from inertia_cli.options import estimate, names_document, record, require_recordable, tell_of_viewer, triple
-from inertia_cli.printing import print_document, print_file, print_text, write_and_show
+from inertia.errors import GeometryError, ReadError, Remedy, UsageError
+from inertia_cli.options import (
+    estimate,
+    names_document,
+    names_recording,
+    record,
+    require_recordable,
+    tell_of_viewer,
+    triple,
+)
+from inertia_cli.printing import print_document, print_file, print_text, show, write_and_show
 from inertia_cli.progress import Progress
 from inertia_cli.wording import with_options
 
@@ -42,6 +50,7 @@ _SHORT = (
     "unit", "density", "material", "mass", "sigma", "chord", "axis", "through", "bearings", "axis_uncertainty",
     "zero_mark", "rotation", "rpm", "critical_rpm", "grade", "e_um", "planes", "drill", "max_depth",
 )  # fmt: skip
+_PERMISSIBLE = "nothing says what is permissible: give ", Remedy("balance", "grade"), ", or ", Remedy("balance", "e_um")
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 _EXAMPLES = """examples:
@@ -129,41 +138,49 @@ def run(options: argparse.Namespace) -> int:
         print_document(json_schema())
         return 0
     if options.grades:
-        return _grades(options)
+        return show_grades(options.rpm, as_json=options.json)
     if options.part is None:
         raise UsageError("no rotor is named: give a rotor file or a part, see `inertia balance --help`")
-    if _is_recording(options.part) or names_document(options):
+    if names_recording(options.part) or names_document(options):
         return _balance(_rotor(options), options)
     if _part_alone(options):
-        from inertia_cli import proposal
-
-        print_text(proposal.proposal(options))
-        return proposal.EXIT
+        return _propose(options)
     try:
         return _balance(_rotor_of_part(options), options)
     except (UsageError, GeometryError, ReadError) as error:
         raise with_options(error, FIELDS, part=options.part) from None
 
 
-def _grades(options: argparse.Namespace) -> int:
+def show_grades(rpm: float | None = None, *, as_json: bool) -> int:
     """Print the grades, with the specific unbalance that they permit at a speed, where one is given."""
     from inertia.balancing.standards import grades_document
     from inertia.report.balance.text import grades_text
 
-    if options.rpm is not None and not 0 < options.rpm < math.inf:
-        raise UsageError(f"--rpm is {options.rpm:g}: it must be positive and finite")
-    document = grades_document(options.rpm)
-    if options.json:
-        print_document(document)
-    else:
-        print_text(grades_text(document))
+    if rpm is not None and not 0 < rpm < math.inf:
+        raise UsageError(f"--rpm is {rpm:g}: it must be positive and finite")
+    document = grades_document(rpm)
+    show(as_json, lambda: document, lambda: grades_text(document))
     return 0
 
 
 def _part_alone(options: argparse.Namespace) -> bool:
-    """Whether nothing is said of the machine that a part belongs to, and a reader is there to be asked."""
-    unsaid = all(getattr(options, name) is None for name in ("rpm", "grade", "e_um", "axis", "bearings", "through"))
-    return unsaid and not (options.json or options.to_toml)
+    """Whether nothing is said of the machine that a part belongs to, and nothing is to be written of it."""
+    machine, files = ("rpm", "grade", "e_um", "axis", "bearings", "through"), ("csv", "report", "output", "cut_part")
+    unsaid = all(getattr(options, name) is None for name in (*machine, *files))
+    return unsaid and not (options.live or options.to_toml)
+
+
+def _propose(options: argparse.Namespace) -> int:
+    """Say how to go on with a part alone, of which nothing is judged; as a document, only that."""
+    if options.json:
+        from inertia.mesh.read import read
+
+        read(options.part, options.unit)
+        raise GeometryError(*_PERMISSIBLE, "; without --json a whole command line is proposed")
+    from inertia_cli import proposal
+
+    print_text(proposal.proposal(options))
+    return proposal.EXIT
 
 
 def _missing(options: argparse.Namespace) -> list[str]:
@@ -257,15 +274,11 @@ def _rotor(options: argparse.Namespace) -> Rotor:
         if getattr(options, name) is not None:
             option = f"--{name.replace('_', '-')}"
             raise UsageError(f"{option} goes with a part: {options.part} is a rotor file, write it there")
-    if _is_recording(options.part):
+    if names_recording(options.part):
         from inertia.recording.provenance import rotor_of
 
         return rotor_of(options.part)
     return Rotor.load(options.part)
-
-
-def _is_recording(file: str) -> bool:
-    return Path(file).suffix.lower() == ".rrd"
 
 
 def _rotor_of_part(options: argparse.Namespace) -> Rotor:
@@ -303,7 +316,7 @@ def _rotor_of_part(options: argparse.Namespace) -> Rotor:
         "plane": [_without_none(plane) for plane in planes],
     }
     if not table["tolerance"]:
-        raise UsageError("nothing says what is permissible: give --grade, or --e-um")
+        raise UsageError(*_PERMISSIBLE)
     return Rotor.from_dict(table, name=options.part)
 
 

@@ -52,7 +52,7 @@ _CODES = """exit codes:
   2  the command line is not usable
   3  the file cannot be read
   4  the mesh or the data cannot give an honest answer;
-     of `balance` and `budget`: undecided, or conditional
+     of `audit`, `balance` and `budget`: undecided, or conditional
   5  judged, and out of tolerance; of `balance` too: fewer than half of the
      parts within it
 """
@@ -73,9 +73,25 @@ class _HelpFormatter(argparse.HelpFormatter):
         return text if "\n" in text else super()._fill_text(text, width, indent)
 
 
+class _Once(argparse._StoreAction):
+    """Takes an option's value; a second one is refused, not taken in place of the first."""
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, option: str | None = None
+    ) -> None:
+        given = vars(namespace).setdefault("given", set())
+        if option is not None and self.dest in given:
+            raise argparse.ArgumentError(self, "it is given twice: give it once")
+        given.add(self.dest)
+        super().__call__(parser, namespace, values, option)
+
+
 class _Parser(argparse.ArgumentParser):
     def __init__(self, **arguments: Any) -> None:
-        super().__init__(**{"formatter_class": _HelpFormatter} | arguments)
+        defaults: dict[str, Any] = {"formatter_class": _HelpFormatter, "allow_abbrev": False}
+        super().__init__(**defaults | arguments)
+        for action in (None, "store"):
+            self.register("action", action, _Once)
 
     def _print_message(self, message: str, file: Any = None) -> None:
         """Print help or version; argparse itself passes over what cannot be written."""
@@ -186,8 +202,7 @@ def main(arguments: Sequence[str]) -> int:
             warnings.simplefilter("always", WaitingWarning)
             with sparing_inputs(_inputs(options)):
                 code: int = options.run(options)
-        sys.stdout.flush()
-        return code
+        return _written() or code
     except InertiaError as error:
         return _refuse(error, options)
     except AnsweredError as answered:

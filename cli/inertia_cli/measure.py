@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from inertia.errors import UsageError
-from inertia_cli.balance import tell_what_is_not_cut
+from inertia_cli.balance import show_grades, tell_what_is_not_cut
 from inertia_cli.printing import print_document, write_and_show
 from inertia_cli.progress import Progress
 
@@ -49,6 +49,7 @@ def add(parsers: Any) -> None:
         "--time", type=float, metavar="SECONDS", help="how long a plan of corrections of the rotor is looked for (10)"
     )
     parser.add_argument("--force", action="store_true", help="write over files that exist")
+    parser.add_argument("--grades", action="store_true", help="print grades, their machines and standards, and stop")
     parser.add_argument("--schema", action="store_true", help="print the JSON Schema of a job, and stop")
 
 
@@ -59,6 +60,8 @@ def run(options: argparse.Namespace) -> int:
 
         print_document(json_schema())
         return 0
+    if options.grades:
+        return show_grades(as_json=options.json)
     if options.part is None:
         raise UsageError("no job is named: give a job file, see `inertia balance measure --help`")
     from inertia.balancing.measured.job import Job

@@ -66,16 +66,16 @@ def run(options: argparse.Namespace) -> int:
 
     recording = file_of(options.part)
     wanted = {name: getattr(options, name) for name in _PICTURE if getattr(options, name) is not None}
-    file = options.png or options.gif
+    file = options.gif if options.png is None else options.png
     for name in wanted:
-        if file is None or (options.png and name in _MOVING):
+        if file is None or (options.png is not None and name in _MOVING):
             kind = "moving pictures: add" if name in _MOVING else "pictures: add --png FILE or"
             raise UsageError(f"--{name} is of {kind} --gif FILE")
     if file is not None:
+        from inertia.output import require_writable
         from inertia.recording.pictures import export_picture
 
-        if Path(file).suffix.lower() != (suffix := ".png" if options.png else ".gif"):
-            raise UsageError(f"cannot write {file}: its name must end in {suffix}")
+        require_writable(file, ".gif" if options.png is None else ".png", force=options.force)
         with Progress("drawing") as progress:
             export_picture(recording, file, **wanted, force=options.force, progress=progress)
         return 0

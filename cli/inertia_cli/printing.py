@@ -8,6 +8,7 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from inertia.errors import InertiaError, visible
@@ -65,6 +66,15 @@ def in_ascii(error: UnicodeError) -> tuple[str, int]:
 codecs.register_error("inertia.ascii", in_ascii)
 
 
+@contextmanager
+def _as_long_as_it_is_read() -> Iterator[None]:
+    """Pass over that nobody reads any more: a command has its exit code to say yet."""
+    try:
+        yield
+    except BrokenPipeError:
+        abandon_output()
+
+
 def show(as_json: bool, document: Callable[[], dict[str, Any]], text: Callable[[], str]) -> None:
     """Print a result as one JSON document, or as text."""
     if as_json:
@@ -73,6 +83,7 @@ def show(as_json: bool, document: Callable[[], dict[str, Any]], text: Callable[[
         print_text(text())
 
 
+@_as_long_as_it_is_read()
 def print_text(text: str) -> None:
     """Print lines of text, in which a name from outside steers no terminal."""
     lines = "\n".join(map(visible, text.split("\n")))
@@ -82,6 +93,7 @@ def print_text(text: str) -> None:
         print(lines)
 
 
+@_as_long_as_it_is_read()
 def print_file(text: str) -> None:
     """Print a file that another program reads: in UTF-8, whatever a terminal has, unless it goes to one."""
     if isinstance(sys.stdout, io.TextIOWrapper) and not sys.stdout.isatty():
@@ -112,6 +124,7 @@ def abandon_output() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
+@_as_long_as_it_is_read()
 def print_document(document: dict[str, Any]) -> None:
     """Print one JSON document, a line for each of its fields; what steers a terminal, or a stream lacks, is escaped.
 

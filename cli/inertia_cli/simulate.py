@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from inertia.errors import UsageError, visible
 from inertia.estimate import UNDECODED
-from inertia_cli.options import count, record, tell_of_viewer
+from inertia_cli.options import count, names_recording, record, tell_of_viewer
 from inertia_cli.printing import show, write_and_show
 from inertia_cli.progress import Progress
 from inertia_cli.wording import with_options
@@ -142,7 +142,7 @@ def _scene(file: str) -> Scene:
     """Return the scene of a file, or of a recording."""
     from inertia.dynamics.scene.document import Scene
 
-    if not _is_recording(file):
+    if not names_recording(file):
         return Scene.load(file)
     from inertia.recording.provenance import scene_of
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from inertia.errors import GeometryError, UsageError
 from inertia.standard_input import NAME as STANDARD_INPUT
-from inertia_cli.options import add_density, add_input, by_name, triple
+from inertia_cli.options import add_density, add_input, by_name, estimate, triple
 from inertia_cli.simulate import FIELDS, add_result, add_settings, follow
 from inertia_cli.wording import with_options
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 _EXAMPLES = """examples:
   inertia tumble t_handle.stl --spin 0.001,10,0 --for 60
   inertia tumble part.stl --unit in --spin 0,0,25 --for 2 --json
+  inertia tumble sheet.obj --shell 1.5 --material steel --spin 0,3,1 --for 20
   inertia tumble part.stl --spin 0,3,1 --for 20 -o run.rrd && inertia play run.rrd
 """
 
@@ -33,6 +34,11 @@ def add(parsers: Any) -> None:
     parser.set_defaults(run=run)
     add_input(parser)
     add_density(parser)
+    model = parser.add_argument_group("what carries the mass")
+    model.add_argument("--shell", type=estimate, metavar="THICKNESS", help="the surface, which may be open, in --unit")
+    model.add_argument(
+        "--wire", type=estimate, metavar="AREA", help="the lines of the mesh, cross-section in --unit squared"
+    )
     motion = parser.add_argument_group("run")
     motion.add_argument(
         "--spin", type=triple, required=True, metavar="X,Y,Z", help="rad/s along the principal axes, moments ascending"
@@ -66,8 +72,16 @@ def _integrated(options: argparse.Namespace) -> SceneBody:
     limit = {} if options.unpack_limit is None else {"unpack_limit": options.unpack_limit}
     part = read(options.part, options.unit, format=options.format, **limit)
     density, material = by_name("density", options.density), by_name("material", options.material)
-    with sound_solids_only("tumbling takes a sound solid only"):
-        analysis = analyse(part, density, material=material, mass=options.mass, accuracy=accuracy_for(part))
+    with sound_solids_only("tumbling takes a sound solid, or a surface by its thickness", but=("shell", "wire")):
+        analysis = analyse(
+            part,
+            density,
+            material=material,
+            mass=options.mass,
+            shell=options.shell,
+            wire=options.wire,
+            accuracy=accuracy_for(part, solid=options.shell is None and options.wire is None),
+        )
     return SceneBody.of_analysis(analysis)
 
 
@@ -84,6 +98,8 @@ def _text(options: argparse.Namespace) -> str | None:
         "density": density.get(""),
         "material": material.get(""),
         "mass": options.mass,
+        "shell": options.shell,
+        "wire": options.wire,
     }
     start = {"angular_velocity": options.spin, "frame": "principal"}
     return toml_text({"schema": 1, "body": body, "start": start, "run": {"duration": options.duration}})

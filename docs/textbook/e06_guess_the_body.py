@@ -49,7 +49,7 @@ np.testing.assert_allclose(inertia.reexpress(tensor, result.axes), np.diag([0, m
 for name, axis in (("x + z", [1, 0, 1]), ("x - y", [1, -1, 0])):
     spin = omega * np.array(axis) / np.sqrt(2)
     momentum, torque = tensor @ spin, inertia.inverse_dynamics(tensor, spin, [0, 0, 0])
-    lean = np.degrees(np.arctan2(np.linalg.norm(np.cross(momentum, spin)), momentum @ spin))
+    lean = np.degrees(inertia.momentum_angle(result.moments, result.axes.T @ spin))
     print(f"about {name}: L is {lean:.4f}° off ω,")
     print(f"  torque {np.linalg.norm(torque):.6f} N m, energy {spin @ momentum / 2:.6f} J")
     if name == "x + z":

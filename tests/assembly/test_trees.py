@@ -324,8 +324,19 @@ def test_a_faulty_tree_is_refused_in_a_sentence(nodes: list[dict[str, Any]], say
 def test_a_faulty_mesh_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(MESHES, 1, (WEDGE, WEDGE_FACES[:3]))
     file = glb(tmp_path / "open.glb", [{"name": "whole", "mesh": 0}, {"name": "gap", "mesh": 1}])
-    with pytest.raises(GeometryError, match=r"part\[1\]: 'mesh 1' of open.glb: open: 1 boundary loop"):
+    with pytest.raises(GeometryError, match=r"open.glb: gap: 'mesh 1' of open.glb: open: 1 boundary loop"):
         Assembly.load(file).mass_properties()
+
+
+@pytest.mark.parametrize("command", ["assembly", "budget"])
+def test_a_faulty_mesh_is_named_once_and_no_field_of_a_file_that_nobody_wrote(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = str(path("broken/missing_face.stl"))
+    assert main([command, file]) == 4
+    said = capsys.readouterr().err
+    assert said.startswith(f"inertia: {file}: open: 1 boundary loop")
+    assert "part[0]" not in said
 
 
 def test_an_object_that_holds_itself_is_refused(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from tests.auditing.shapes import pair, skewed
 import inertia
 from inertia.arrays import Float
 from inertia.auditing.audit import Audit
+from inertia.report.audit.text import audit_text
 from inertia_cli.main import main
 from inertia_meshes import path
 
@@ -142,6 +143,42 @@ def test_links_without_anything_are_unjudged(props: inertia.MassProperties, audi
         ("unjudged", "nothing_stated"),
     ]
     assert audit.verdict == "undecided"
+
+
+@pytest.mark.parametrize("content", [None, b"", b"solid s\nfacet"])
+def test_a_robot_of_which_a_mesh_cannot_be_read_is_not_consistent(
+    content: bytes | None, props: inertia.MassProperties, audited: Callable[..., Audit], tmp_path: Path
+) -> None:
+    if content is not None:
+        (tmp_path / "lost.stl").write_bytes(content)
+    right = inertial(props.mass, props.center_of_mass, props.inertia)
+    beside = [link("a", right, *MESHES), link("b", right, mesh("lost.stl"))]
+    audit = audited(*beside)
+    assert ([each.state for each in audit.links], audit.verdict) == (["consistent", "unjudged"], "undecided")
+    assert audit_text(audit).splitlines()[0].endswith("undecided: 1 consistent, 1 unjudged")
+    assert main(["audit", str(audit.robot.path)]) == 4
+    wrong = inertial(props.mass, props.center_of_mass, np.diag(props.principal_moments[::-1]))
+    assert audited(*beside, link("c", wrong, *MESHES)).verdict == "inconsistent"
+
+
+def test_links_with_nothing_to_compare_leave_a_robot_consistent(
+    props: inertia.MassProperties, audited: Callable[..., Audit]
+) -> None:
+    right = inertial(props.mass, props.center_of_mass, props.inertia)
+    audit = audited(
+        link("a", right, *MESHES), link("b", right), link("c", "", *MESHES), link("d", "", mesh("none.stl"))
+    )
+    assert [each.state for each in audit.links] == ["consistent", "unjudged", "unjudged", "unjudged"]
+    assert audit.verdict == "consistent"
+
+
+def test_the_findings_of_all_links_say_their_links(
+    props: inertia.MassProperties, audited: Callable[..., Audit]
+) -> None:
+    right = inertial(props.mass, props.center_of_mass, props.inertia)
+    audit = audited(link("a", right, *MESHES), link("b", right), link("c", right, mesh("none.stl")))
+    assert [(each.link, each.code) for each in audit.findings] == [("b", "no_geometry"), ("c", "mesh_unusable")]
+    assert audit.findings == tuple(finding for each in audit.links for finding in each.findings)
 
 
 @pytest.mark.parametrize("beside", ["", '<box size="1 1 1"/></geometry></collision><collision><geometry>'])

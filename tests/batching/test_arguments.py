@@ -203,6 +203,14 @@ def test_what_else_may_be_an_estimate_is_said_as_a_number(argument: str) -> None
         inertia.analyse(inertia.read(CUBE), **{argument: Estimate(-1)})  # type: ignore[arg-type]
 
 
+def test_workers_here_say_nothing_of_those_of_a_scheduler(capsys: pytest.CaptureFixture[str]) -> None:
+    says = "says nothing of the workers of the scheduler tcp://host:8786: leave it out"
+    with pytest.raises(inertia.UsageError, match=f"^jobs {says}"):
+        inertia.batch(CUBE, jobs=2, dask="tcp://host:8786")
+    assert main(["batch", str(CUBE), "--jobs", "2", "--dask", "tcp://host:8786"]) == 2
+    assert capsys.readouterr().err == f"inertia: --jobs {says}\n"
+
+
 @pytest.mark.parametrize("address", ["foo", "", "tcp://foo", "foo://host:8786", "host:port"])
 def test_what_is_no_address_is_refused_at_once(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
     distributed = pytest.importorskip("distributed")

@@ -147,6 +147,13 @@ def test_the_audit_of_a_robot_without_its_meshes_says_why_it_is_undecided(tmp_pa
     assert row["message"] == "base: t_handle.stl: there is no such file"
 
 
+def test_of_an_audit_that_is_undecided_what_could_not_be_compared_is_told(tmp_path: Path) -> None:
+    arm = path("robots/arm.urdf").read_text(encoding="utf-8")
+    (tmp_path / "arm.urdf").write_text(arm.replace("<link ", '<link name="world"/><link ', 1))
+    (row,) = rows(tmp_path / "arm.urdf", verb="audit")
+    assert row["message"] == "base: t_handle.stl: there is no such file"
+
+
 def test_the_first_note_of_an_audit_that_finds_nothing_is_its_message(tmp_path: Path) -> None:
     box = '<box size="1 1 1"/>'
     (tmp_path / "a.urdf").write_text(

@@ -19,6 +19,7 @@ from inertia_meshes import path, rotors
 
 ROTOR = str(path("rotors/two_disc_rotor.toml"))
 MESH = str(path("two_disc_rotor.stl"))
+GRADED = (MESH, "--rpm", "3000", "--grade", "6.3")
 SHORT = (MESH, "--axis", "z", "--bearings", "20,280", "--planes", "90,215", "--rpm", "3000", "--grade", "6.3")
 
 
@@ -330,13 +331,13 @@ def test_a_failure_names_what_binds(capsys: pytest.CaptureFixture[str], tmp_path
         (2, [MESH, "--grade", "6.3"], "--rpm is missing"),
         (2, [*SHORT[:-1], "0"], "--grade is 0.0: it must be positive"),
         (2, ["--grades", "--rpm", "0"], "--rpm is 0: it must be positive"),
-        (2, [*SHORT, "--rpm", "0"], "--rpm is 0.0: it must be positive"),
-        (2, [*SHORT, "--bearings", "20,20"], "--bearings are 0 mm apart"),
-        (2, [*SHORT, "--bearings", "20"], "--bearings names 1 places: give two"),
-        (2, [*SHORT, "--bearings", "a,b"], "is no list of numbers"),
-        (2, [*SHORT, "--axis", "0,0,0"], "--axis has no length"),
+        (2, [*GRADED[:2], "0", *GRADED[3:]], "--rpm is 0.0: it must be positive"),
+        (2, [*GRADED, "--axis", "z", "--bearings", "20,20"], "--bearings are 0 mm apart"),
+        (2, [*GRADED, "--axis", "z", "--bearings", "20"], "--bearings names 1 places: give two"),
+        (2, [*GRADED, "--axis", "z", "--bearings", "a,b"], "is no list of numbers"),
+        (2, [*GRADED, "--axis", "0,0,0", "--bearings", "20,280"], "--axis has no length"),
         (2, [MESH, "--axis", "z", "--rpm", "1", "--grade", "1"], "--axis alone leaves the shaft open"),
-        (2, [*SHORT, "--planes", "90,90"], "z is 90, where plane[0] is too"),
+        (2, [*SHORT[:6], "90,90", *SHORT[7:]], "z is 90, where plane[0] is too"),
         (2, [*SHORT, "--max-depth", "5"], "--max-depth is that of holes"),
         (2, [*SHORT, "--zero-mark", "0,0,1"], "--zero-mark [0.0, 0.0, 1.0] runs along the shaft"),
         (2, [*SHORT, "--chord", "-1"], "--chord is -1.0: it must not be negative"),
@@ -346,7 +347,7 @@ def test_a_failure_names_what_binds(capsys: pytest.CaptureFixture[str], tmp_path
         (1, [ROTOR, "--cut-part", "/nosuch/x.stl"], "cannot write /nosuch/x.stl"),
         (3, ["nosuch.toml"], "cannot read nosuch.toml"),
         (3, ["nosuch.stl", *SHORT[1:]], "nosuch.stl: there is no such file"),
-        (4, [*SHORT, "--planes", "90,400"], "z is 400 mm, off the rotor, which goes from 0 mm to 300 mm"),
+        (4, [*SHORT[:6], "90,400", *SHORT[7:]], "z is 400 mm, off the rotor, which goes from 0 mm to 300 mm"),
         (4, [*SHORT, "--through", "500,0,0"], "does not go through the rotor"),
         (4, [str(path("broken/missing_face.stl")), *SHORT[1:]], "boundary loop"),
     ],
@@ -374,6 +375,36 @@ def test_a_part_alone_is_answered_with_a_command_that_runs(capsys: pytest.Captur
     status, text, complaint = run(capsys, *words[2:], "--to-toml")
     assert (status, complaint) == (0, "")
     assert 'method = "drill_radial"' in text
+
+
+@pytest.mark.parametrize(
+    ("part", "code"),
+    [
+        ("nosuch.stl", 3),
+        (".", 3),
+        (str(path("broken/truncated.stl")), 3),
+        (str(path("rotors/disc.toml")).replace("disc.toml", "disc.stl"), 3),
+        (MESH, 4),
+    ],
+)
+def test_a_part_alone_has_the_same_exit_code_as_a_document(
+    capsys: pytest.CaptureFixture[str], part: str, code: int
+) -> None:
+    assert run(capsys, part)[0] == code
+    status, out, err = run(capsys, part, "--json")
+    assert (status, json.loads(out)["exit_code"]) == (code, code)
+    if code == 4:
+        assert json.loads(out)["remedies"] == ["--grade", "--e-um"]
+        assert "nothing says what is permissible: give --grade, or --e-um; without --json a whole command" in err
+
+
+@pytest.mark.parametrize("option", ["--report=a.html", "--csv=a.csv", "-oa.rrd", "--cut-part=a.stl", "--live"])
+@pytest.mark.parametrize("as_json", [[], ["--json"]])
+def test_a_part_alone_of_which_a_file_is_to_be_written_is_refused(
+    capsys: pytest.CaptureFixture[str], option: str, as_json: list[str]
+) -> None:
+    code, _, err = run(capsys, MESH, option, *as_json)
+    assert (code, err) == (2, "inertia: nothing says what is permissible: give --grade, or --e-um\n")
 
 
 def test_the_axis_of_a_part_alone_is_that_of_its_cylinders(capsys: pytest.CaptureFixture[str]) -> None:

@@ -57,6 +57,53 @@ def test_a_value_with_a_minus_sign_that_cannot_be_read_is_named(value: str, caps
     assert f"argument --about: '{value}' is no point" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["analyse", "a.stl", "--mass", "1", "--mass", "2"],
+        ["analyse", "a.stl", "--unit", "m", "--unit=mm"],
+        ["audit", "a.urdf", "--tolerance", "0.1", "--tolerance", "0.2"],
+        ["simulate", "a.toml", "--method", "rk4", "--method", "rk4"],
+        ["balance", "a.stl", "-o", "a.rrd", "--output", "b.rrd"],
+    ],
+)
+def test_an_option_of_one_value_is_given_once(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as refused:
+        main(arguments)
+    assert refused.value.code == 2
+    assert "it is given twice: give it once" in capsys.readouterr().err
+
+
+def test_an_option_is_written_in_full(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as refused:
+        main(["analyse", str(path("cube.stl")), "--js"])
+    assert refused.value.code == 2
+    assert "unrecognized arguments: --js" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["analyse", "cube.stl", "--as", "urdf", "-o", ""],
+        ["batch", "cube.stl", "-o", ""],
+        ["audit", "robots/arm.urdf", "--fix", ""],
+        ["audit", "robots/arm.urdf", "--report", ""],
+        ["simulate", "scenes/cube.toml", "-o", ""],
+        ["trade", "cube.stl", "--plot", ""],
+        ["balance", "rotors/disc.toml", "--csv", ""],
+        ["budget", "assemblies/fan.toml", "--csv", ""],
+        ["play", "run.rrd", "--png", ""],
+        ["play", "run.rrd", "--html", ""],
+    ],
+)
+def test_an_empty_name_of_an_output_is_called_so(
+    arguments: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(path("cube.stl").parent)
+    assert main(arguments) == 2
+    assert capsys.readouterr().err == "inertia: the name of a file to be written is empty: name one\n"
+
+
 def test_an_option_without_its_value_is_not_given_the_next_one() -> None:
     for following in (["-o", "a.csv"], ["--json"], []):
         with pytest.raises(SystemExit) as end:

@@ -29,6 +29,14 @@ def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, 
     return code, captured.out, captured.err
 
 
+def test_the_grades_are_printed_as_by_balance(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, "--grades")
+    assert (code, err) == (0, "")
+    main(["balance", "--grades"])
+    assert capsys.readouterr().out == out
+    assert json.loads(run(capsys, "--grades", "--json")[1])["schema"] == "inertia/grades/1"
+
+
 def test_the_verdict_stands_first(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, err = run(capsys, FAN)
     assert (code, err) == (0, "")

@@ -2,6 +2,8 @@
 
 import io
 import json
+import os
+import subprocess
 import sys
 import tracemalloc
 from typing import Any
@@ -10,6 +12,7 @@ import numpy as np
 import pytest
 
 from inertia_cli.printing import print_document
+from inertia_meshes import path
 
 
 def lists(value: Any) -> Any:
@@ -65,3 +68,27 @@ def test_printing_takes_no_memory_that_grows_with_the_arrays(monkeypatch: pytest
     tracemalloc.stop()
     assert stream.size > 4_000_000
     assert peak < 3_000_000
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes break otherwise")
+@pytest.mark.parametrize("as_json", [[], ["--json"]], ids=["text", "document"])
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [
+        (["analyse", "cube.stl"], 0),
+        (["check", "broken/missing_face.stl"], 4),
+        (["audit", "robots/arm.urdf"], 5),
+        (["balance", "two_disc_rotor.stl"], 4),
+        (["balance", "rotors/disc.toml"], 0),
+    ],
+)
+def test_the_verdict_stays_the_exit_code_where_nobody_reads_on(
+    arguments: list[str], code: int, as_json: list[str]
+) -> None:
+    command = [sys.executable, "-c", "from inertia_cli.__main__ import run; run()", *arguments, *as_json]
+    reading, writing = os.pipe()
+    os.close(reading)
+    result = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, cwd=path("cube.stl").parent)
+    os.close(writing)
+    assert result.returncode == code
+    assert b"Traceback" not in result.stderr

@@ -3,6 +3,7 @@
 import json
 import socket
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -39,6 +40,32 @@ def test_a_scene_is_recorded_and_run_again(capsys: pytest.CaptureFixture[str], t
     again = json.loads(out)
     assert again["attitude"] == first["attitude"]
     assert again["scene"] == file
+
+
+@pytest.mark.parametrize(
+    ("made", "again", "named"),
+    [
+        (("simulate", SCENE, "--for", "2", "--samples", "11"), "simulate", "t_handle.stl"),
+        (("balance", str(path("rotors/disc.toml"))), "balance", "disc.stl"),
+    ],
+)
+def test_what_comes_of_a_recording_names_its_parts_in_it_and_is_the_same_each_time(
+    made: tuple[str, ...], again: str, named: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = str(tmp_path / "it.rrd")
+    run(capsys, *made, "-o", file)
+    command = [sys.executable, "-c", "from inertia_cli.__main__ import run; run()", again]
+    first, second = (subprocess.run([*command, file, "--json"], capture_output=True).stdout for _ in range(2))
+    assert first == second
+    assert f"{file}/{named}".encode() in first
+    with Path(file).open("rb") as data:
+        piped = subprocess.run([*command, "-", "--json"], stdin=data, capture_output=True)
+    assert piped.stderr == b""
+    assert piped.stdout.replace(f"-/{named}".encode(), f"{file}/{named}".encode()) in (
+        first,
+        first.replace(f'"scene": "{file}"'.encode(), b'"scene": "-"'),
+        first.replace(f'"rotor": "{file}"'.encode(), b'"rotor": "-"'),
+    )
 
 
 def test_a_tumbling_part_is_recorded_and_run_again(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -186,6 +186,22 @@ def test_a_part_tumbles_about_its_principal_axes(capsys: pytest.CaptureFixture[s
     assert [event["name"] for event in result["events"]] == ["flip", "flip"]
 
 
+def test_what_is_no_solid_tumbles_by_its_surface_or_its_lines(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    lines = tmp_path / "lines.obj"
+    lines.write_text("v 0 0 0\nv 100 0 0\nv 100 50 0\nl 1 2 3\n")
+    options = ("tumble", str(lines), "--spin", "1,2,3", "--for", "1", "--density", "1000")
+    code, out, _ = run(capsys, *options, "--wire", "2±0.1", "--json")
+    body = json.loads(out)["body"]
+    assert (code, body["mass"]) == (0, pytest.approx(0.0003))
+    assert body["principal_moments"][2] == pytest.approx(1.25e-7 + 2.5e-7, rel=0.3)
+    code, _, err = run(capsys, *options)
+    assert (code, err.count("use --wire AREA for lines, or export a solid\n")) == (4, 1)
+    code, out, _ = run(capsys, "tumble", HANDLE, *SPIN, "--shell", "1", "--mass", "2", "--json")
+    assert (code, json.loads(out)["body"]["mass"]) == (0, 2.0)
+
+
 def test_a_negative_spin_is_no_option(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "tumble", HANDLE, "--spin", "-1,0,0", "--for", "1", "--explain")
     assert code == 0

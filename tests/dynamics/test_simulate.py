@@ -325,7 +325,10 @@ def test_a_drift_above_the_request_is_an_error(monkeypatch: pytest.MonkeyPatch) 
     energy = np.full(11, 7.0)
     energy[5] += 7e-9
     spoiled(monkeypatch, invariants={"energy": energy})
-    with pytest.raises(GeometryError, match="energy must be kept, but drifts by 1e-09 of itself"):
+    with pytest.raises(
+        GeometryError,
+        match=r"energy must be kept, but its relative drift is 1e-09 where .* ask for 1e-09 or",
+    ):
         run_of()
     drifted = run_of(run__accuracy=2e-9)
     assert drifted.invariants["energy"].largest_relative_drift == pytest.approx(1e-9)
@@ -337,7 +340,7 @@ def test_a_drift_is_relative_to_the_models_scale_where_it_gives_one(monkeypatch:
     spoiled(monkeypatch, invariants={"Kovalevskaya": values}, scales={"Kovalevskaya": 10.0})
     assert run_of().invariants["Kovalevskaya"].largest_relative_drift == pytest.approx(1e-13)
     spoiled(monkeypatch, invariants={"Kovalevskaya": values}, scales={})
-    with pytest.raises(GeometryError, match="drifts by inf"):
+    with pytest.raises(GeometryError, match=r"drift is inf where .* ask for a shorter"):
         run_of()
 
 

@@ -280,6 +280,27 @@ def test_the_class_is_decided_by_the_bound_too() -> None:
     assert kind(0.05, 2.0, 2.0, bound=0.051) == "rotor"
 
 
+@pytest.mark.parametrize("count", [2, 3, 5])
+def test_masses_on_a_line_have_no_moment_about_it_and_no_negative_one(count: int) -> None:
+    """On lines of integer direction they are so to the last bit; two masses are so wherever they are."""
+    rng = np.random.default_rng(count)
+    for _ in range(30):
+        places = np.outer(np.arange(count) ** 2, rng.integers(1, 9, 3)) + rng.integers(-9, 9, 3)
+        body = point_masses(places, np.ones(count))
+        pair = point_masses(rng.normal(size=(2, 3)), [1.0, 2.0])
+        for each in (body, pair):
+            assert (each.principal_moments[0], each.radii_of_gyration[0]) == (0.0, 0.0)
+            assert each.principal.moment_bounds[0] < 1e-60 * each.principal_moments[2]
+
+
+def test_a_negative_moment_is_0_only_where_that_is_within_its_bound() -> None:
+    assert principal(np.diag([-0.01, 2.0, 2.0])).moments[0] == -0.01
+    assert principal(np.diag([-0.01, 2.0, 2.0]), bound=0.009).moments[0] == -0.01
+    unsure = principal(np.diag([-0.01, 2.0, 2.0]), bound=0.011)
+    assert unsure.moments[0] == 0.0
+    assert 0.001 < unsure.moment_bounds[0] < 0.0111
+
+
 @pytest.mark.parametrize("bound", [-1.0, np.inf, np.nan])
 def test_a_bound_is_a_finite_number(bound: float) -> None:
     with pytest.raises(UsageError, match=r"^bound is .* kg m²: it must be finite and not negative"):

@@ -277,8 +277,10 @@ def _require_printable(value: object, path: str) -> None:
     if _is_printable(value):
         return
     if isinstance(value, str) and (shown := visible(value)) != value:
-        culprit = next(one for one in value if visible(one) != one)
-        raise FieldError(path, f'is "{shown}": leave out the control character U+{ord(culprit):04X}')
+        culprit = ord(next(one for one in value if visible(one) != one))
+        if 0xDC80 <= culprit <= 0xDCFF:  # what Python makes of bytes of a file's name that are no UTF-8
+            raise FieldError(path, f'is "{shown}", with the byte 0x{culprit - 0xDC00:02x}: rename it in UTF-8')
+        raise FieldError(path, f'is "{shown}": leave out the control character U+{culprit:04X}')
     if isinstance(value, Mapping):
         for key, entry in value.items():
             where = joined(path, str(key))

@@ -136,19 +136,22 @@ def require_writable(file: str | os.PathLike[str], *suffixes: str, force: bool =
 
     Raises
     ------
-    UsageError : its name ends in none of `suffixes`, it is a directory, it is an input of the command, or it exists and
-        `force` is not set
+    UsageError : its name is empty or ends in none of `suffixes`, it is a directory, it is an input of the command, or
+        it exists and `force` is not set
     WriteError : its folder cannot be written to
     """
+    if not os.fspath(file):
+        raise UsageError("the name of a file to be written is empty: name one")
     path = Path(file)
     if suffixes and path.suffix.lower() not in suffixes:
         names = " or ".join(filter(None, [", ".join(suffixes[:-1]), suffixes[-1]]))
         raise UsageError(f"cannot write {path}: its name must end in {names}")
     with _faults(path):
         if path.is_dir():
-            raise UsageError(f"cannot write {path}: it is a directory")
+            raise UsageError(f"cannot write {path}: it is a directory: name a file in it")
         if path.exists() and not path.is_file():
-            raise UsageError(f"cannot write {path}: it is not a regular file but a pipe, socket or device")
+            what = "it is not a regular file but a pipe, socket or device: name a file"
+            raise UsageError(f"cannot write {path}: {what}")
         _require_other(path)
         if path.exists() and not force:
             raise UsageError(f"{path} exists: give another name, or ", FORCE, " to write over it", code="exists")
@@ -189,7 +192,8 @@ def together() -> Iterator[None]:
 def whole(path: Path) -> Iterator[Path]:
     """Yield a path beside that of a file, renamed to it when the context is left without an error, else removed.
 
-    A link is followed: what it leads to is written, and the link stays. Raises `UsageError` where it is an input of the
+    A link is followed: what it leads to is written, and the link stays. A file that is replaced hands on its owner,
+    group and permissions, as far as this user may give them. Raises `UsageError` where it is an input of the
     command, or another of the files that are written together.
     """
     _require_other(path)
@@ -202,6 +206,7 @@ def whole(path: Path) -> Iterator[Path]:
         yield beside
         with beside.open("rb") as file:
             os.fsync(file.fileno())
+        _take_rights(beside, target)
         renames.pairs.append((beside, target, path))
 
 
@@ -216,7 +221,7 @@ def _beside(path: Path) -> Iterator[tuple[Path, Path]]:
     beside, lock, is_alive = _another(target), None, False
     try:  # a signal may come as soon as the file is there
         while not is_alive:
-            lock, is_alive = _new(beside)
+            lock, is_alive = _new(beside, 0o600 if target.exists() else 0o666)  # what it is to replace may be private
             if not is_alive:
                 beside = _another(target)
         yield beside, target
@@ -225,6 +230,25 @@ def _beside(path: Path) -> Iterator[tuple[Path, Path]]:
             beside.unlink(missing_ok=True)
         if lock is not None:
             os.close(lock)
+
+
+def _take_rights(beside: Path, target: Path) -> None:
+    """Give a new file the owner, group and permissions of the one that it replaces, if there is one.
+
+    Where its group is not this user's to give, the group that the new file has gets no rights by that.
+    """
+    old = status_of(target)
+    if old is None or sys.platform == "win32":
+        return
+    rights = old.st_mode & 0o777
+    for owner in (old.st_uid, -1):
+        with suppress(OSError):
+            os.chown(beside, owner, old.st_gid)
+            break
+    else:
+        rights &= ~0o070
+    with suppress(OSError):  # a file system without permissions
+        beside.chmod(rights)
 
 
 def _target(path: Path) -> Path:
@@ -243,9 +267,12 @@ def _another(target: Path) -> Path:
     return target.with_name(f".{target.name[:_NAME]}.{os.urandom(6).hex()}.inertia")
 
 
-def _new(beside: Path) -> tuple[int | None, bool]:
-    """Make a file; return the descriptor that holds its lock, where there are locks, and whether it is still there."""
-    lock = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
+def _new(beside: Path, rights: int) -> tuple[int | None, bool]:
+    """Make a file with rights, of which the system takes its mask.
+
+    Return the descriptor that holds its lock, where there are locks, and whether it is still there.
+    """
+    lock = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_EXCL, rights)
     if sys.platform == "win32":  # where an open file can be neither renamed nor removed
         os.close(lock)
         return None, True

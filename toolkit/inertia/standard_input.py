@@ -1,4 +1,4 @@
-"""Files that are named to be read: what `-` stands for, standard input, and why one cannot be read."""
+"""Files that are named to be read: what `-` stands for, what outputs call them, and why one cannot be read."""
 
 from __future__ import annotations
 
@@ -45,6 +45,28 @@ def path_of(name: str | os.PathLike[str]) -> Path:
     """Return a name as a path: `-` of standard input alone, and the whole path of a file that is called so."""
     path = Path(name)
     return path.absolute() if str(path) == NAME != os.fspath(name) else path
+
+
+_folders: dict[str, str] = {}
+
+
+def call_folder(folder: Path, name: str) -> None:
+    """Let what lies in a temporary folder be called after the file that it came out of."""
+    _folders[str(folder)] = name
+
+
+def called(name: str) -> str:
+    """Return what outputs call a file.
+
+    >>> call_folder(Path("/tmp/inertia-5x"), "run.rrd")
+    >>> called("/tmp/inertia-5x/scenes/../part.stl"), called("part.stl")
+    ('run.rrd/part.stl', 'part.stl')
+    """
+    path = Path(os.path.normpath(name))
+    for folder, whole in _folders.items():
+        if path.is_relative_to(folder):
+            return f"{whole}/{path.relative_to(folder).as_posix()}"
+    return name
 
 
 def require_name(name: str) -> None:

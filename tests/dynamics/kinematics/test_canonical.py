@@ -162,8 +162,21 @@ def test_runs_of_many_samples_are_the_samples_one_by_one() -> None:
     assert canonical.lagrangian(MOMENTS, angles, rates, np.arange(50.0)).shape == (50,)
 
 
+def test_a_rotor_has_energies_and_momenta_but_no_hamiltonian() -> None:
+    """About its own axis it has no moment: p_ψ = 0, p_φ = I sin²θ φ̇, 2T = I (sin²θ φ̇² + θ̇²)."""
+    angles, rates, moment = [0.3, 0.7, -1.1], [1.5, -0.4, 9.0], 2.5
+    across = np.sin(0.7) * 1.5
+    energy = 0.5 * moment * (across**2 + 0.4**2)
+    assert canonical.rotational_energy([moment, moment, 0], angles, rates) == pytest.approx(energy, rel=1e-14)
+    assert canonical.lagrangian([moment, moment, 0], angles, rates, 1.0) == pytest.approx(energy - 1.0, rel=1e-14)
+    momenta = canonical.momenta_of_rates([moment, moment, 0], angles, rates)
+    assert momenta == pytest.approx([moment * np.sin(0.7) * across, -0.4 * moment, 0.0], abs=1e-14)
+    with pytest.raises(GeometryError, match="all three must be positive"):
+        canonical.hamiltonian([moment, moment, 0], angles, momenta)
+
+
 def test_unusable_arguments_are_named() -> None:
     with pytest.raises(UsageError, match=r"inertia has shape \(3,\)"):
         canonical.kinetic_energy([1, 2, 3], 1.0, [0, 0, 0], [0, 0, 0], [0, 0, 1])
-    with pytest.raises(GeometryError, match=r"moments\[1\] are \[1.0, -2.0, 3.0\] kg m²: all three must be positive"):
+    with pytest.raises(GeometryError, match=r"moments\[1\] are \[1.0, -2.0, 3.0\] kg m²: none may be negative"):
         canonical.rotational_energy([[1, 2, 3], [1, -2, 3]], [0, 0, 0], [1, 1, 1])

@@ -82,6 +82,46 @@ def test_small_angles_between_spin_and_momentum_keep_their_digits(
     assert momentum_angle([i1, i2, i3], small) == pytest.approx(float(expected), rel=3e-15, abs=1e-29)
 
 
+def test_exercise_6_a_rotor_and_its_momentum() -> None:
+    """L is across the rod: at 90° − β off a spin at β to it, and 30° for that of the exercise."""
+    beta = np.linspace(0.1, 3.0, 7)
+    spins = np.stack([np.cos(beta), np.sin(beta), 0 * beta], axis=-1)
+    assert momentum_angle([0, 3, 3], spins) == pytest.approx(np.abs(np.pi / 2 - beta), abs=1e-15)
+    assert momentum_angle([0, 3, 3], [0.5, -0.5, np.sqrt(0.5)]) == pytest.approx(np.pi / 6, abs=1e-15)
+    assert momentum_angle([0, 3, 3], [1, 0, 0]) == 0.0
+
+
+def test_the_cones_and_the_sphere_of_a_rotor() -> None:
+    pair = cones([3, 3, 0], [0.6, 0.0, 0.8])
+    assert (pair.theta, pair.body_half_angle) == pytest.approx((np.pi / 2, np.arctan2(0.6, 0.8)), rel=1e-15)
+    assert (pair.space_half_angle, pair.rolling) == (pytest.approx(np.arctan2(0.8, 0.6), rel=1e-15), "outside")
+    assert (pair.precession, pair.body_precession) == pytest.approx((0.6, -0.8), rel=1e-15)
+    figure = binet([3, 3, 0], [0.6, 0.0, 0.8])
+    assert figure.semi_axes.tolist() == pytest.approx([1.8, 1.8, 0.0], rel=1e-15)
+    assert figure.radius == pytest.approx(1.8, rel=1e-15)
+    for figure_of in (cones, momentum_angle, binet):
+        with pytest.raises(GeometryError, match="none may be negative, and one of them 0 at most"):
+            figure_of([0, 0, 3], [1, 0, 0])
+    with pytest.raises(GeometryError, match="all three must be positive"):
+        poinsot([3, 3, 0], [1, 0, 0])
+
+
+@pytest.mark.parametrize(("size", "speed"), [(1e-60, 1e-52), (1e200, 1e100), (1e-300, 1e-300), (1.0, 1e-160)])
+def test_neither_size_nor_speed_of_a_body_changes_an_angle(size: float, speed: float) -> None:
+    moments, omega = np.array([1.0, 1.0, 2.0]), np.array([0.3, -0.4, 1.0])
+    plain, pair = cones(moments, omega), cones(size * moments, speed * omega)
+    assert momentum_angle(size * moments, speed * omega) == pytest.approx(momentum_angle(moments, omega), rel=1e-14)
+    assert pair.space_half_angle == pytest.approx(plain.space_half_angle, rel=1e-14)
+    assert pair.precession == pytest.approx(speed * plain.precession, rel=1e-14)
+    ellipsoid, there = poinsot(moments, omega), poinsot(size * moments, speed * omega)
+    assert there.semi_axes == pytest.approx(speed * ellipsoid.semi_axes, rel=1e-14)
+    assert there.distance == pytest.approx(speed * ellipsoid.distance, rel=1e-14)
+    if size * speed > 1e-300:
+        sphere, other = binet(moments, omega), binet(size * moments, speed * omega)
+        assert other.semi_axes == pytest.approx(size * speed * sphere.semi_axes, rel=1e-14)
+        assert other.radius == pytest.approx(size * speed * sphere.radius, rel=1e-14)
+
+
 @settings(deadline=None)
 @given(moment, moment, moment, spin)
 def test_poinsots_ellipsoid_touches_the_invariable_plane_at_the_tip_of_the_spin(
@@ -109,5 +149,5 @@ def test_binets_ellipsoid_meets_the_sphere_at_the_momentum(
 
 @pytest.mark.parametrize("figure", [poinsot, binet])
 def test_a_body_at_rest_has_no_construction(figure) -> None:  # type: ignore[no-untyped-def]
-    with pytest.raises(GeometryError, match="angular_velocity is zero"):
+    with pytest.raises(GeometryError, match="the body has no angular momentum"):
         figure([1, 2, 3], [0, 0, 0])

@@ -129,9 +129,23 @@ def test_distance_says_which_axis_the_polhode_goes_round() -> None:
     assert separatrix_distance([1.0, 1.5, 2.0], spins) == pytest.approx([1.5 / 1 - 1, 0.0, 1.5 / 2 - 1], abs=1e-15)
 
 
+def test_a_rotor_is_on_its_separatrix_and_stable_about_its_axis_as_prolate_bodies_are() -> None:
+    assert separatrix_distance([1, 0, 1], [[0.3, 2.0, -1.0], [0, 0, 1]]).tolist() == [0.0, 0.0]
+    assert stable_axes([1, 0, 1]).tolist() == stable_axes([1, 1e-3, 1]).tolist() == [False, True, False]
+
+
 def test_unusable_arguments_are_named() -> None:
-    with pytest.raises(GeometryError, match=r"angular_velocity\[1\] is zero: a body at rest has no polhode"):
+    with pytest.raises(
+        GeometryError,
+        match=r"angular_velocity\[1\] is \[0.0, 0.0, 0.0\] rad/s: a body that has no angular momentum has",
+    ):
         separatrix_distance([1, 2, 3], [[1, 0, 0], [0, 0, 0]])
+    with pytest.raises(GeometryError, match=r"is \[2.0, 0.0, 0.0\] rad/s: a body that has no angular momentum"):
+        separatrix_distance([0, 1, 1], [2, 0, 0])
+    with pytest.raises(GeometryError, match="none may be negative, and one of them 0 at most"):
+        stable_axes([0, 0, 1])
+    with pytest.raises(GeometryError, match=r"moments are .* all three must be positive, as divisors"):
+        energy_bounds([0, 1, 1], 1.0)
     with pytest.raises(GeometryError, match=r"moments are \[0.0, 1.0, 1.0\] kg m²: all three must be positive"):
         wobble_frequencies([0, 1, 1])
     with pytest.raises(UsageError, match="speed holds a value that is not finite"):

@@ -13,7 +13,9 @@ from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.scene.sections import Settings, Start
 from inertia.errors import GeometryError, InertiaError, ReadError, UsageError
+from inertia.mass.analyse import analyse
 from inertia.mass.properties import MassProperties
+from inertia.mesh.read import read
 from inertia_meshes import catalogue, path
 
 POINT = table(TOP, body__principal_moments=[0, 0, 0])
@@ -69,6 +71,24 @@ def test_what_the_moments_are_uncertain_by_is_noted() -> None:
     assert example.body.inertia.tolist() == plain.body.inertia.tolist()
 
 
+def test_a_surface_and_lines_carry_the_mass_where_that_is_asked_for(tmp_path: Path) -> None:
+    sheet, lines = tmp_path / "sheet.obj", tmp_path / "lines.obj"
+    sheet.write_text("v 0 0 0\nv 30 0 0\nv 0 40 0\nf 1 2 3\n")
+    lines.write_text("v 0 0 0\nv 100 0 0\nv 100 50 0\nl 1 2 3\n")
+    for file, model in ((sheet, {"shell": 1.5}), (lines, {"wire": 2.0})):
+        there = {"part": str(file), "unit": "mm", "density": 7850}
+        body = scene(body=there | model).body
+        alone = analyse(read(file, "mm"), 7850, **model).properties
+        assert (body.mass, body.inertia.tolist()) == (alone.mass, alone.inertia.tolist())
+        (name, value), *_ = model.items()
+        uncertain = scene(body=there | {name: f"{value}±{0.1 * value}"}).body
+        assert any("standard uncertainties" in note for note in uncertain.notes)
+        with pytest.raises(GeometryError, match=f"use {name} = [A-Z]+ in \\[body\\]"):
+            scene(body=there)
+        parts = [there | model | {"name": "base"}, there | model | {"name": "lid", "parent": "base"}]
+        assert scene(body=None, part=parts).body.mass == pytest.approx(2 * alone.mass)
+
+
 def test_small_faults_of_the_part_are_allowed_for_where_that_is_asked_for() -> None:
     part = str(path("broken/overlapping_cubes.stl"))
     example = scene(body={"part": part, "unit": "mm", "allow_faults": 0.1})
@@ -87,6 +107,10 @@ def test_small_faults_of_the_part_are_allowed_for_where_that_is_asked_for() -> N
         ({"principal_moments": [1, 2, 3], "mass": "1±0.1"}, "body.mass"),
         ({"principal_moments": [1, 2, 3], "allow_faults": 0.1}, "body.allow_faults"),
         ({"principal_moments": [1, 2, 3], "sigma": 0.1}, "body.sigma"),
+        ({"principal_moments": [1, 2, 3], "shell": 0.1}, "body.shell goes with no principal_moments"),
+        ({"part": str(path("assemblies/fan.toml")), "wire": 0.1}, "body.wire goes with a mesh"),
+        ({"part": str(path("cube.stl")), "wire": -0.1}, "body.wire is -0.1: it must be positive"),
+        ({"part": str(path("cube.stl")), "wire": 1, "shell": 1}, "both a shell and a wire are asked for"),
         ({"part": "t_handle.stl", "density": "7850±"}, "body.density"),
     ],
 )

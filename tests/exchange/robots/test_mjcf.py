@@ -189,7 +189,7 @@ def body(inside: str, before: str = "") -> str:
     [
         (body('<body xyaxes="1 0.2 0 2 0.4 0"/>'), "an axis of no length, or along another one"),
         (body('<body xyaxes="1 0 0 5 9e-8 0"/>'), "an axis of no length, or along another one"),
-        ("<mujoco><worldbody/></mujoco>", "it holds no body"),
+        ("<mujoco><worldbody/></mujoco>", "it holds no body: export the robot again"),
         ("<mujoco><worldbody><frame><attach model='m'/></frame></worldbody></mujoco>", "attach is not read"),
         (body('<geom type="box" size="1 1 1" class="nix"/>'), "default class 'nix' is not there"),
         (body("", '<include file="nix.xml"/>'), "included file 'nix.xml' is not there"),
@@ -219,7 +219,7 @@ def test_what_is_no_model_is_refused(tmp_path: Path, text: str, says: str) -> No
 @pytest.mark.parametrize(
     ("attributes", "says"),
     [
-        ('pos="0 0 0" diaginertia="1 1 1"', "body 'a', inertial has no mass"),
+        ('pos="0 0 0" diaginertia="1 1 1"', "body 'a', inertial has no mass: state one"),
         ('pos="0 0 0" mass="1"', "has no diaginertia"),
         ('pos="0 0 0" mass="x" diaginertia="1 1 1"', "mass is 'x': it must be numbers"),
         ('mass="1" diaginertia="1 1 1"', "inertial has no pos"),

@@ -190,7 +190,7 @@ def text(inside: str) -> str:
 @pytest.mark.parametrize(
     ("inside", "says"),
     [
-        ("", "it holds no link"),
+        ("", "it holds no link: export the robot again"),
         ('<link name="a"><inertial><mass>x</mass></inertial></link>', "mass is 'x': it must be numbers"),
         ('<link name="a"><pose>1 2 3</pose></link>', "link 'a', pose is '1 2 3': it must be 6 numbers"),
         ('<link name="a"><pose relative_to="b"/></link>', "there is no frame 'b' in the model 'm'"),
@@ -572,7 +572,7 @@ def test_what_is_there_twice_or_without_a_name_is_said(tmp_path: Path) -> None:
         "a link without a name is left out",
     )
     file.write_text(text('<link name="a"/><link name="a"/>'))
-    with pytest.raises(inertia.ReadError, match="more than one link is called 'a': their names must differ"):
+    with pytest.raises(inertia.ReadError, match="more than one link is called 'a': give each a name of its own"):
         read_robot(file)
 
 

@@ -8,11 +8,10 @@ import pytest
 from tests.exchange import solid
 
 import inertia
-from inertia.errors import UsageError
 from inertia.exchange.robots.links import Figures
 from inertia.exchange.robots.read import read_robot
 
-CSV = """name, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, mesh, unit, products, remark
+CSV = """name, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, mesh, unit, products, #remark
 arm, 1.25, 0.1, -0.02, 0.3, 0.010, 0.02, 0.025, 0.001, -2e-3, 0.003, arm.stl, mm, , first
 "hand, left", 0.5, , , , 1, 2, 2.5, 0.1, 0.2, 0.3, , , integrals, second
 """
@@ -70,9 +69,14 @@ def test_what_is_written_is_read_to_the_bit(tmp_path: Path) -> None:
         ("a.csv", "", "it is empty: export the robot again"),
         ("a.csv", "a,b\n", "names no column name"),
         ("a.csv", "name,mass\n", "names no column ixx"),
-        ("a.csv", CSV.replace("\n", ",Mass\n", 1), "names the column mass twice: leave one out"),
+        ("a.csv", CSV.replace("\n", ",Mass\n", 1), "names the column `mass` twice: leave one out"),
+        ("a.csv", CSV.replace(" unit", " units"), "units is unknown: did you mean unit?"),
+        ("a.csv", CSV.replace(" mesh", " msh"), "msh is unknown: did you mean mesh?"),
+        ("a.csv", CSV.replace(" products", " prodcts"), "prodcts is unknown: did you mean products?"),
+        ("a.csv", CSV.replace(" com_x", " comx"), "comx is unknown: did you mean com_x?"),
+        ("a.csv", CSV.replace(" unit", ""), "line 2 has 'mm' in a column that the first line does not name"),
         ("a.csv", CSV.replace("1.25", "1_25"), "line 2.mass is '1_25': it must be a number"),
-        ("a.csv", CSV.partition("\n")[0] + "\n", "it holds no part"),
+        ("a.csv", CSV.partition("\n")[0] + "\n", "it holds no part: give each a row"),
         ("a.csv", CSV.replace("1.25", "x"), "line 2.mass is 'x': it must be a number"),
         ("a.csv", CSV.replace("1.25", "nan"), "line 2.mass is nan: it must be finite"),
         ("a.csv", CSV.replace("0.1, -0.02,", ",-0.02,"), "line 2.com_x is ''"),
@@ -84,6 +88,7 @@ def test_what_is_written_is_read_to_the_bit(tmp_path: Path) -> None:
         ("a.toml", "part = 3", "give each as [[part]]"),
         ("a.toml", TOML.replace("mass = 1.25", ""), "part[0].mass is missing"),
         ("a.toml", TOML.replace("mass = 1.25", "mas = 1.25"), "part[0].mas is unknown: did you mean mass?"),
+        ("a.toml", 'unit = "mm"\n' + TOML, "unit is unknown: use part"),
         ("a.toml", "part = [1]", "part[0] is 1: it must be a table"),
         (
             "a.toml",
@@ -120,5 +125,5 @@ def test_other_separators_and_capitals(tmp_path: Path, delimiter: str) -> None:
 def test_cells_without_a_name_are_refused(tmp_path: Path) -> None:
     file = tmp_path / "parts.csv"
     file.write_text("name,mass,ixx,iyy,izz,ixy,ixz,iyz\narm,1,5,1,2,2,0,0,0\n")  # 1,5 is one and a half
-    with pytest.raises(UsageError, match="line 2 has more cells than the first line has names"):
+    with pytest.raises(inertia.ReadError, match="line 2 has 9 cells, and the first line 8 names"):
         read_robot(file)

@@ -160,7 +160,7 @@ def test_slips_are_read_as_bullet_reads_them(robot: Path, old: str, new: str, no
     [
         ('value="2.50"', 'value="two"', "link 'upper', inertial, value is 'two': it must be numbers"),
         ('ixx="0.010"', 'ixx="nan"', "link 'upper', inertial, ixx is 'nan': it must be finite"),
-        ('<mass value="2.50"/>', "<mass>2.50</mass>", "link 'upper', inertial has no mass"),
+        ('<mass value="2.50"/>', "<mass>2.50</mass>", "link 'upper', inertial has no mass: state one"),
     ],
 )
 def test_what_no_program_reads_is_a_fault_of_the_link(robot: Path, old: str, new: str, words: str) -> None:
@@ -245,7 +245,7 @@ def test_what_is_there_twice_or_not_at_all_is_noted(robot: Path, old: str, new: 
 
 def test_links_without_names_and_meshes_without_files_say_so(robot: Path) -> None:
     robot.write_text('<robot name="a"><link/></robot>')
-    with pytest.raises(ReadError, match="it holds no link that has a name"):
+    with pytest.raises(ReadError, match="it holds no link that has a name: name them"):
         read_robot(robot)
     robot.write_text(ROBOT.replace("package://arm/meshes/upper.stl", ""))
     assert "the mesh has no file name: name it by" in str(read_robot(robot).links[1].geometries[0].shape)

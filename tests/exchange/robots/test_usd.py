@@ -285,7 +285,7 @@ def test_what_a_stage_refers_to_has_to_be_there_where_it_is_active(tmp_path: Pat
         (STAGE.replace("float physics:mass = 500", "float physics:mass = nan"), "what /arm/base states is not finite"),
         (STAGE.replace("float physics:mass = 500", 'string physics:mass = "x"'), "another type than its schema"),
         (STAGE.replace("}", "", 1), "OpenUSD cannot open it: "),
-        ("#usda 1.0\n", "no prim of it has PhysicsRigidBodyAPI or PhysicsMassAPI"),
+        ("#usda 1.0\n", "no prim of it has PhysicsRigidBodyAPI or PhysicsMassAPI: apply one to each body"),
         (STAGE.replace("metersPerUnit = 0.01", "metersPerUnit = 0"), "its units are 0 m"),
     ],
 )

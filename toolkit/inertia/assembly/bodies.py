@@ -177,7 +177,7 @@ def _integrated(part: Part, fields: PartFields, sigma: Fraction | None) -> Analy
         )
     except GeometryError as error:
         words = (
-            f"{SHELL.argument} = {SHELL.value} in its [[part]]" if k == SHELL else k
+            f"{SHELL.argument} = {SHELL.value} in the [[part]] of an assembly file" if k == SHELL else k
             for k in Sentence(*error.words).words
         )
         raise reworded(error, words, error.places) from None

@@ -55,7 +55,7 @@ class Assembly(PartTree):
         table, remarks, tree, left_out = outline(file, file.parent, unit, joints)
         own = None if tree is None else (file.parent / relative(file, file.parent), unit, tree)
         whole = cls.from_dict(table, file.parent, name=os.fspath(path))
-        return replace(whole, remarks=remarks, tree=own, left_out=left_out)
+        return replace(whole, remarks=remarks, tree=own, left_out=left_out, is_carried=True)
 
     @classmethod
     def loads(cls, text: str, folder: str | os.PathLike[str] = ".", name: str | None = None) -> Self:

@@ -22,7 +22,7 @@ from inertia.assembly.inputs import Kind, Owner
 from inertia.assembly.outline import relative
 from inertia.assembly.rollup import Placed, place
 from inertia.documents import Document, FieldError, plain, section_of
-from inertia.errors import FieldPath, GeometryError, InertiaError, ReadError, UsageError, placed
+from inertia.errors import FieldPath, GeometryError, InertiaError, ReadError, UsageError, placed, reworded
 from inertia.mass.density import ASSUMED, density_of
 from inertia.mass.moments import ZERO
 from inertia.mass.properties import MassProperties
@@ -98,6 +98,7 @@ class PartTree(Document):
     tree : the meshes that were read already: of which file, in which unit
     moves : nodes that are elsewhere, see `moved`
     left_out : what has a mass and is not in the tree, in sentences, which are among the remarks
+    is_carried : whether the file is one of meshes or of a robot, in which nobody wrote these fields
 
     Raises `UsageError` naming the field.
 
@@ -120,6 +121,7 @@ class PartTree(Document):
     tree: tuple[Path, str | None, MeshTree] | None = None
     moves: Mapping[Node, tuple[Frame, ...]] = field(default_factory=dict)
     left_out: tuple[str, ...] = ()
+    is_carried: bool = False
 
     @classmethod
     def _from_table(cls, table: Mapping[str, Any], folder: Path, text: str | None, name: str) -> Self:
@@ -264,13 +266,22 @@ class PartTree(Document):
                 body = self._body(part, library, contexts)
                 inner = self._nested(part, library, chain, contexts, level + 1, copies)
             except InertiaError as error:
-                raise placed(error, self.path, FieldPath(where)) from None
+                raise self._placed(error, number) from None
             own = tuple(node(k, level + 1, copies) for k in below.get(part.name, ()))
             frames = self._frames(part)  # once it is known that there are not too many below
             owner = self._owner(part.name, contexts)
             return Node(owner, part, where, self.path, self.unit, body, frames, inner + own)
 
         return tuple(node(k, level, copies) for k in below.get(None, ()))
+
+    def _placed(self, error: InertiaError, number: int) -> InertiaError:
+        """Return an error of a part with where that is: a field of the file, or what the file calls it."""
+        if not self.is_carried:
+            return placed(error, self.path, FieldPath(f"part[{number}]"))
+        parts = self.fields.part
+        within = [parts[number].name] if len(parts) > 1 else []
+        own = (place for place in error.places if place != self.path)
+        return reworded(error, error.words, (self.path, *within, *own))
 
     def _nested(
         self,

@@ -52,8 +52,10 @@ class Audit:
     robot : what was read
     sha256 : of the file
     tolerance : relative difference up to which stated and computed agree
-    verdict : "inconsistent" if a link is inconsistent or unphysical, else "consistent" if one is, else "undecided"
+    verdict : "inconsistent" if a link is inconsistent or unphysical; else "undecided" if one that has mass properties
+        and geometry could not be judged, as where its mesh is not there, or if none could be; else "consistent"
     links : in the file's order
+    findings : of all links, in their order; each says its link
     """
 
     robot: Robot
@@ -67,7 +69,13 @@ class Audit:
         states = {link.state for link in self.links}
         if states & {"inconsistent", "unphysical"}:
             return "inconsistent"
-        return "consistent" if "consistent" in states else "undecided"
+        left = any(link.state == "unjudged" and link.comparable for link in self.links)
+        return "consistent" if "consistent" in states and not left else "undecided"
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What was found, link by link."""
+        return tuple(finding for link in self.links for finding in link.findings)
 
     def plot(self, ax: Axes | None = None) -> Figure:
         """Draw by how much the stated tensor of each link is off, beside the tolerance, and return the figure.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Literal
@@ -42,12 +43,14 @@ class Finding:
     sentence : what it is
     residual : what is left of the difference when it is undone, relative; None where nothing is undone
     remedy : what mends it, as an imperative; "" where nothing does
+    link : the name of the link that it is of
     """
 
     code: str
     sentence: str
     residual: float | None = None
     remedy: str = ""
+    link: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +92,14 @@ class LinkAudit:
     shapes: tuple[Shape, ...] = ()
     room: float = 0.0
     mended: MassProperties | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "findings", tuple(replace(each, link=self.name) for each in self.findings))
+
+    @property
+    def comparable(self) -> bool:
+        """Whether the file has both sides of a comparison: mass properties, and geometry, be it readable or not."""
+        return self.stated is not None and all(finding.code != "no_geometry" for finding in self.findings)
 
 
 @dataclass(frozen=True, eq=False)

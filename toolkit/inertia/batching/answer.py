@@ -424,7 +424,8 @@ def _audited(file: str, options: Mapping[str, Any], row: Row, worded: _Worded) -
     from inertia.auditing.audit import audit
     from inertia.report.audit.document import audit_document
 
-    document = audit_document(audit(file, **{"densities" if k == "density" else k: v for k, v in options.items()}))
+    result = audit(file, **{"densities" if k == "density" else k: v for k, v in options.items()})
+    document = audit_document(result)
     links = document["links"]
     states = [link["state"] for link in links]
     differences = [link["difference"] for link in links if link["difference"] is not None]
@@ -443,9 +444,10 @@ def _audited(file: str, options: Mapping[str, Any], row: Row, worded: _Worded) -
         for column, name in (("worst_mass", "mass"), ("worst_com", "center_of_mass"), ("worst_inertia", "inertia")):
             row[column] = max(float(difference[name]) for difference in differences)
     to_blame = {"inconsistent": ("inconsistent", "unphysical"), "undecided": ("unjudged",)}.get(document["verdict"], ())
-    told = [link for link in links if link["state"] in to_blame and link["findings"]]
+    told = [link for link in result.links if link.state in to_blame and link.findings]
     if told:
-        row["message"] = worded(f"{told[0]['name']}: {told[0]['findings'][0]['sentence']}")
+        first = next((link for link in told if link.comparable), told[0])
+        row["message"] = worded(f"{first.name}: {first.findings[0].sentence}")
     elif document["notes"]:
         row["message"] = worded(document["notes"][0])
 

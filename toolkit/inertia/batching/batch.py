@@ -44,7 +44,7 @@ def batch(
     paths : files, globs (``**`` goes through folders), URLs that fsspec reads, archives (each mesh in them is a file),
         manifests (``.csv`` or ``.parquet`` with a column `path` and columns of options)
     verb : "analyse", "check", "balance" (rotor files) or "audit" (robots)
-    jobs : worker processes; one for each processor without it
+    jobs : worker processes, of dask="local" threads; one for each processor without it
     dask : the address of a Dask scheduler whose workers are used in place of that, "local" for one in this process
     timeout : s that a file may take
     memory : bytes that a file may take (Linux)
@@ -204,13 +204,16 @@ def sharded(tasks: list[Task], shard: tuple[int, int] | None) -> list[Task]:
 
 
 def engine_for(setup: Setup, jobs: int | None, dask: str | None) -> Callable[[], Engine]:
-    """Return what makes what answers: `jobs` processes here, or the workers of a Dask scheduler."""
+    """Return what makes what answers: processes here, or workers of a Dask scheduler; of a local one, `jobs` too."""
     if jobs is not None and not (isinstance(jobs, Integral) and jobs >= 1):
         says = f" is {jobs!r}: give the number of worker processes, 1 or more"
         raise UsageError(_ARGUMENT._replace(argument="jobs"), says)
     count = jobs or processors()
     if dask is None:
         return lambda: Processes(setup, count)
+    if jobs is not None and isinstance(dask, str) and dask != "local":
+        says = f" says nothing of the workers of the scheduler {dask}: leave it out"
+        raise UsageError(_ARGUMENT._replace(argument="jobs"), says)
     from inertia.batching.cluster import Cluster
 
     return lambda: Cluster(setup, dask, count)

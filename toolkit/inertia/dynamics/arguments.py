@@ -1,4 +1,4 @@
-"""Checks of array arguments: float64, of the right length, finite; and moments that a body can have."""
+"""Checks of array arguments: float64, of the right length, finite; moments that a body can have; and their scales."""
 
 from __future__ import annotations
 
@@ -42,13 +42,28 @@ def vectors(value: ArrayLike, name: str, size: int = 3) -> Float:
     return array
 
 
-def moments_of(value: ArrayLike) -> Float:
-    """Return principal moments (…, 3) kg m², or raise `GeometryError` naming the first that is not positive."""
+def moments_of(value: ArrayLike, *, rotor: bool = False) -> Float:
+    """Return principal moments (…, 3) kg m², or raise `GeometryError` naming the first that are not positive.
+
+    Where they only multiply, a `rotor` counts too: one of its moments is 0 (textbook § 13.10).
+    """
     moments = vectors(value, "moments")
-    if not (moments > 0).all():
-        place = first_index(~(moments > 0))[:-1]
-        raise GeometryError(f"moments{at_index(place)} are {moments[place].tolist()} kg m²: all three must be positive")
+    usable = (moments > 0) | (rotor & (moments == 0) & ((moments > 0).sum(axis=-1, keepdims=True) == 2))
+    if not usable.all():
+        place = first_index(~usable)[:-1]
+        rule = "none may be negative, and one of them 0 at most" if rotor else "all three must be positive, as divisors"
+        raise GeometryError(f"moments{at_index(place)} are {moments[place].tolist()} kg m²: {rule}")
     return moments
+
+
+def scaled(vector: Float) -> tuple[Float, NDArray[np.intc]]:
+    """Return vectors (…, 3) over the power of two next above their largest component, and its exponent (…, 1).
+
+    >>> [each.tolist() for each in scaled(np.array([3.0, 0.0, -1.0]))]
+    [[0.75, 0.0, -0.25], [2]]
+    """
+    _, exponent = np.frexp(np.max(np.abs(vector), axis=-1, keepdims=True))
+    return np.ldexp(vector, -exponent), exponent
 
 
 def first_index(faulty: NDArray[np.bool_] | np.bool_) -> tuple[Any, ...]:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from inertia.dynamics.columns import Table
 
-_PAIRS = ("turning theta", "steady precession, slow and fast")
+_PAIRS = ("turning theta", "turning angle", "steady precession, slow and fast")
 """Quantities that are two numbers, however many samples there are."""
 
 _CLOSE, _MOST = 0.1, 20_001  # rad between the instants that a drawing goes through, and how many they are at most

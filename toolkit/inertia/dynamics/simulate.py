@@ -183,10 +183,18 @@ def _require_accuracy(run: Run) -> None:
         if np.isnan(invariant.largest_relative_drift):
             raise GeometryError(f"{name} leaves float64: check the units of the scene", places=(scene.name,))
         if not invariant.largest_relative_drift <= limit:
-            raise GeometryError(
-                f"{name} must be kept, but drifts by {invariant.largest_relative_drift:.2g} of itself where ",
-                FieldPath("run.accuracy"),
-                f" allows {limit:g}: the run is not to be trusted, ask for a finer ",
-                FieldPath("run.accuracy"),
-                places=(scene.name,),
-            )
+            raise _strayed(run, name, invariant.largest_relative_drift, limit)
+
+
+def _strayed(run: Run, name: str, drift: float, limit: float) -> GeometryError:
+    """Return what is wrong with a run whose invariant drifts by more than the limit, both relative."""
+    advice = (f"{rounded_up(drift)} or more, or ",) if drift < LOST else ()
+    return GeometryError(
+        f"{name} must be kept, but its relative drift is {drift:.2g} where ",
+        FieldPath("run.accuracy"),
+        f" allows {limit:g}: the run is not to be trusted to that, ask for ",
+        *advice,
+        "a shorter ",
+        FieldPath("run.duration"),
+        places=(run.scene.name,),
+    )

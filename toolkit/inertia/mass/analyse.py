@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from fractions import Fraction
@@ -536,12 +536,15 @@ def _off_by(part: Part, chord: float) -> Part:
 
 
 @contextmanager
-def sound_solids_only(why: str) -> Iterator[None]:
-    """Say of the remedies that `analyse` has, and what is done within has not, that they belong there, and why."""
+def sound_solids_only(why: str, but: Collection[str] = ()) -> Iterator[None]:
+    """Say of the remedies that `analyse` has, and what is done within has not, that they belong there, and why.
+
+    What is done within has the arguments `but` too.
+    """
     try:
         yield
     except GeometryError as error:
-        if any(remedy.verb in ("analyse", "repair", "weld") for remedy in error.remedies):
+        if any(k.verb in ("analyse", "repair", "weld") and k.argument not in but for k in error.remedies):
             raise reworded(error, (*error.words, " (with ", _ANALYSE, f": {why})"), error.places) from None
         raise
 

@@ -76,8 +76,9 @@ def principal(inertia: ArrayLike, tolerance: float = CLASS_TOLERANCE, bound: flo
     from the residual of the decomposition (see `inertia.mass.eigen`). The axes are right-handed and their signs
     deterministic: the largest component of axis 1 and of axis 3 is positive, and axis 2 = axis 3 × axis 1. Where
     moments are equal, to within `tolerance` of the largest and their bounds, the axes of their subspace are chosen
-    nearest to the part's own x, y, z. The class is ``rotor`` (I1 = 0), ``spherical`` (I1 = I2 = I3), ``prolate``
-    (I2 = I3), ``oblate`` (I1 = I2) or ``asymmetric`` (textbook § 13.10).
+    nearest to the part's own x, y, z. A moment that is negative by no more than its bound is 0. The class is ``rotor``
+    (I1 = 0), ``spherical`` (I1 = I2 = I3), ``prolate`` (I2 = I3), ``oblate`` (I1 = I2) or ``asymmetric`` (textbook
+    § 13.10).
 
     Raises `UsageError` where the tensor is not symmetric, it or the bound not finite, or the tolerance none,
     `GeometryError` where a moment leaves float64.
@@ -110,7 +111,9 @@ def spectrum_of_moments(central: Moments) -> Spectrum:
 def principal_of(eigen: Spectrum, tolerance: float = CLASS_TOLERANCE) -> Principal:
     """Return what `principal` does, from the spectrum of a tensor."""
     require_tolerance(tolerance)
-    values, bounds, n, d = eigen.multiples, eigen.bounds, eigen.unit.numerator, eigen.unit.denominator
+    bounds, n, d = eigen.bounds, eigen.unit.numerator, eigen.unit.denominator
+    # No body has a negative moment: what may be 0 for all that is known is 0, and the bound holds for that too.
+    values = [0 if -bound <= value < 0 else value for value, bound in zip(eigen.multiples, bounds, strict=True)]
     share, whole = tolerance.as_integer_ratio()
     limit = share * values[2] // whole
     low, high = (values[k + 1] - values[k] <= limit + bounds[k + 1] + bounds[k] for k in range(2))

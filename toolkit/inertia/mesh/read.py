@@ -35,7 +35,7 @@ from inertia.mesh.readers.strangers import stranger
 from inertia.mesh.tree import MeshTree
 from inertia.mesh.version import CHANGED, Version, unchanged
 from inertia.standard_input import NAME as STANDARD_INPUT
-from inertia.standard_input import file_of, reason_of
+from inertia.standard_input import called, file_of, reason_of
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit
 
 _SMALL = 10_000_000  # bytes
@@ -105,7 +105,8 @@ def read(
     try:
         kind, contents, version = _contents(name, format, coarser, unpack_limit, memory)
     except ReadError as error:
-        raise placed(error, f"cannot read {name}") from error
+        raise placed(error, f"cannot read {called(name)}") from error
+    name = called(name)
     notes = list(contents.notes)
     named = format_of_name(Path(name))
     if named not in (None, kind) and format is None and Path(name).suffix.lower() not in EXTENSIONS[kind]:

@@ -25,6 +25,7 @@ from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.scene.sections import Settings
 from inertia.errors import ReadError, visible
 from inertia.mesh.part import Part
+from inertia.standard_input import NAME, call_folder, file_of
 
 ENCLOSED = 32 << 20
 """Bytes of parts and tables that a recording holds at most."""
@@ -141,7 +142,8 @@ def _without_folders(text: str) -> str:
 
 def _enclosed(text: str, folder: Path, parts: Iterable[Part]) -> dict[str, str]:
     """Return all files that a document in a folder names, or that these refer to: path seen from it, and contents."""
-    beside = {Path(part.source.path).resolve(): part.source.files for part in parts if part.source.path}
+    sources = [part.source for part in parts if part.source.path]
+    beside = {Path(each.version.path if each.version else str(each.path)).resolve(): each.files for each in sources}
     named: dict[str, Path] = {}
 
     def add(text: str, folder: Path, near: Path) -> None:
@@ -178,6 +180,7 @@ def _folder_of(name: str) -> Path:
 def _opened(name: str, files: dict[str, str]) -> Path:
     """Write the files of a recording to a folder that lasts as long as the program, and return it."""
     root = tempfile.TemporaryDirectory(prefix="inertia-")
+    call_folder(Path(root.name).resolve(), name)
     names = [files[f"path_{k}"] for k in range(1, len(files) // 2 + 1)]
     folder = Path(root.name).resolve().joinpath(*"d" * max(PurePosixPath(each).parts.count("..") for each in names))
     for k, each in enumerate(names, 1):
@@ -254,8 +257,9 @@ def properties(file: str | os.PathLike[str]) -> dict[str, dict[str, Any]]:
     Raises `ReadError` where the file is no recording or not whole.
     """
     name = os.fspath(file)
-    if not Path(name).is_file() or _version(Path(name)) is None:
-        raise ReadError(f"cannot read {name}: {_fault(Path(name))}")
+    path = file_of(name) if name == NAME else Path(name)
+    if not path.is_file() or _version(path) is None:
+        raise ReadError(f"cannot read {name}: {_fault(path)}")
     from rerun.chunk import RrdReader
     from rerun.error_utils import RerunWarning
 
@@ -263,9 +267,9 @@ def properties(file: str | os.PathLike[str]) -> dict[str, dict[str, Any]]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", RerunWarning)  # it warns of a file that was cut short
-            chunks = RrdReader(name).store().stream().filter(content=f"{_PROPERTIES}/**").to_chunks()
+            chunks = RrdReader(str(path)).store().stream().filter(content=f"{_PROPERTIES}/**").to_chunks()
     except (RuntimeError, ValueError, OSError, RerunWarning) as error:
-        raise ReadError(f"cannot read {name}: {_fault(Path(name))}") from error
+        raise ReadError(f"cannot read {name}: {_fault(path)}") from error
     for chunk in chunks:
         section = sections.setdefault(chunk.entity_path.removeprefix(f"{_PROPERTIES}/"), {})
         batch = chunk.to_record_batch()

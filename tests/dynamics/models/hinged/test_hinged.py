@@ -91,6 +91,105 @@ def test_the_angle_is_right_to_the_accuracy_that_is_stated(spin: float, load: li
     assert error <= run.error.reached
 
 
+@pytest.mark.parametrize("stiffness", [0.0, 1e-3])
+@pytest.mark.parametrize("place", [[0.0, 0.0, 1.0], [0.0, 0.0, 0.1], [-0.45, 0.0, 1.0]])
+def test_a_slow_turn_about_an_upright_axle_is_followed_however_far_the_weight_hangs_from_it(
+    stiffness: float, place: list
+) -> None:
+    """What energy the weight has does not change, and that it rounds says nothing of the turn."""
+    body = {"principal_moments": [0.0126, 0.0126, 0.025], "mass": 5.0}
+    run = hinged(body, [0, 0, 2e-4], 60.0, [GRAVITY], axis=[0, 0, 1], point=place, stiffness=stiffness)
+    pace = np.sqrt(stiffness / (0.025 + 5.0 * place[0] ** 2))
+    assert run.quantities["angle"] == pytest.approx(2e-4 * run.time * np.sinc(pace * run.time / np.pi), abs=1e-15)
+    assert run.energy == pytest.approx(-5.0 * 9.80665 * place[2], abs=1e-6)
+    assert run.invariants["energy"].largest_relative_drift < 1e-15
+
+
+@pytest.mark.parametrize(
+    ("spin", "tilt", "load", "held", "turn"),
+    [
+        (2.0, 0.0, [], {"stiffness": 3.0}, 0.0),
+        (-0.5, 0.0, [], {"stiffness": 3.0, "rest_angle": 0.8}, 0.0),
+        (0.0, 0.0, [], {"stiffness": 3.0, "rest_angle": -9.0}, 0.0),
+        (1.0, 0.7, [GRAVITY], {}, 0.0),
+        (0.0, -3.1, [GRAVITY], {}, 0.0),
+        (0.0, 3.0, [GRAVITY], {}, 0.0),
+        (8.0, 0.7, [GRAVITY], {}, 2.0 * np.pi),
+        (-8.0, 0.7, [GRAVITY], {}, -2.0 * np.pi),
+        (4.0, 0.7, [GRAVITY], {"stiffness": 1.0, "rest_angle": 1.0}, 0.0),
+        (0.0, 0.2, [GRAVITY], {"stiffness": 20.0, "rest_angle": -0.3}, 0.0),
+        (-30.0, 0.0, [GRAVITY], {"stiffness": 0.1}, 0.0),
+    ],
+)
+def test_a_body_on_an_axle_without_loss_comes_back_after_the_period_that_is_stated(
+    spin: float, tilt: float, load: list, held: dict, turn: float
+) -> None:
+    run = hinged(BAR, [spin, 0, 0], 60.0, load, tilt=tilt, **held)
+    period = float(run.quantities["period"])
+    for part in (1.0, 2.0):
+        later = run.at(part * period)
+        assert later.quantities["angle"] == pytest.approx(part * turn, abs=2e-11)
+        assert later.angular_velocity[0, 0] == pytest.approx(spin, abs=2e-11)
+    if turn:
+        assert run.remarks == ("It goes over the top: a turn takes a period.",)
+        assert "turning angle" not in run.quantities
+        return
+    assert run.remarks == ("It swings to and fro between its turning angles.",)
+    low, high = run.quantities["turning angle"].tolist()
+    closely = run.at(np.linspace(0.0, period, 4001)).quantities["angle"]
+    assert (closely.min(), closely.max()) == pytest.approx((low, high), abs=1e-6 * (high - low))
+    half = run.at(0.5 * period).quantities["angle"][0]  # from a turning angle to the other one
+    assert spin or half == pytest.approx(low if abs(high) < abs(low) else high, abs=1e-11)
+
+
+@pytest.mark.parametrize("tilt", [1.0, 1e-3, 1e-15, 1e-70])
+def test_the_period_of_a_pendulum_keeps_its_digits_however_near_it_comes_to_its_upper_rest(tilt: float) -> None:
+    run = hinged(BAR | {"center_of_mass": [0.0, 0.0, 0.5]}, [0.0, 0.0, 0.0], 0.1, [GRAVITY], tilt=tilt)
+    with mpmath.workdps(200):  # 4 K/ω₀, from where it is let go at rest
+        x, _, _, w = [mpmath.mpf(k) for k in run.scene.start.attitude.tolist()]
+        natural = mpmath.sqrt(mpmath.mpf(0.5) * mpmath.mpf(9.80665) / (mpmath.mpf(0.0834) + mpmath.mpf(0.25)))
+        period = float(4 * mpmath.ellipk(1 - x**2 / (x**2 + w**2)) / natural)
+    assert run.quantities["period"] == pytest.approx(period, rel=1e-15)
+    assert run.quantities["turning angle"] == pytest.approx([0.0, 2.0 * np.pi - 2.0 * tilt], abs=2e-15)
+
+
+def test_exercise_3_cubes_on_wires_have_one_period() -> None:
+    """2π √(M l²/6κ), whatever they hang by."""
+    cube = {"principal_moments": [0.0045] * 3, "mass": 2.7}
+    for axis in ([1, 0, 0], [1, 1, 0], [1, 1, 1]):
+        spin = (0.5 * np.array(axis) / np.linalg.norm(axis)).tolist()
+        run = hinged(cube, spin, 5.0, axis=axis, stiffness=0.02, samples=2)
+        assert run.quantities["period"] == pytest.approx(2 * np.pi * np.sqrt(0.0045 / 0.02), rel=1e-15)
+        reach = 0.5 * np.sqrt(0.0045 / 0.02)
+        assert run.quantities["turning angle"] == pytest.approx([-reach, reach], rel=1e-15)
+        assert list(run.series) == ["angle", "reaction force", "reaction torque", "energy of the spring"]
+
+
+def test_a_pendulum_on_its_separatrix_never_comes_back_and_one_at_rest_has_no_period() -> None:
+    body = {"principal_moments": [0.75, 0.75, 0.0], "mass": 1.0, "center_of_mass": [0.0, 0.0, -0.5]}
+    load = [{"kind": "gravity", "acceleration": [0.0, 0.0, -8.0]}]  # I = 1, and ½ ω² = 2 · 4 to the upper rest
+    run = hinged(body, [4.0, 0, 0], 1.0, load)
+    assert run.quantities["period"] == np.inf
+    assert run.remarks == ("It is on the separatrix: it goes to its upper rest and does not come back.",)
+    for others in ({"load": load}, {"load": load, "stiffness": 2.0}):
+        still = hinged(body, [0.0, 0, 0], 1.0, **others)
+        assert "period" not in still.quantities
+        assert not still.remarks
+
+
+@pytest.mark.parametrize(
+    ("load", "held"),
+    [
+        ([GRAVITY, {"kind": "damping", "coefficient": 0.1}], {"stiffness": 1.0}),
+        ([GRAVITY, {"kind": "torque", "torque": [0.1, 0, 0]}], {}),
+        ([GRAVITY], {"drive": "constant_speed"}),
+        ([], {}),
+    ],
+)
+def test_what_loses_energy_is_driven_or_turns_freely_has_no_period(load: list, held: dict) -> None:
+    assert "period" not in hinged(BAR, [1.0, 0, 0], 1.0, load, **held).quantities
+
+
 def test_the_axle_holds_what_changes_the_momentum() -> None:
     """F = m (r̈ − g) and N = dL/dt − r × m g, by differences of the run's own places and momenta."""
     body = {"inertia": [[0.3, 0.02, 0.05], [0.02, 0.4, 0.03], [0.05, 0.03, 0.2]], "mass": 2.0}

@@ -1,7 +1,8 @@
 """Lagrangian and Hamiltonian quantities of a rotating body in Euler angles (textbook § 13.12, 13.15–16, 13.18–19).
 
 Angles, rates and momenta are arrays (…, 3) in the order φ, θ, ψ; their conventions are those of
-`inertia.dynamics.kinematics.euler_angles`. Moments are principal, so that body axes are principal axes.
+`inertia.dynamics.kinematics.euler_angles`. Moments are principal, so that body axes are principal axes; of a rotor one
+may be 0, except in `hamiltonian`, which divides by them.
 """
 
 from __future__ import annotations
@@ -74,7 +75,7 @@ def rotational_energy(
     9.5
     """
     omega = euler_angles.angular_velocity(angles, rates, convention)
-    return 0.5 * dot(moments_of(moments) * omega, omega)
+    return 0.5 * dot(moments_of(moments, rotor=True) * omega, omega)
 
 
 def squared_speed(angles: ArrayLike, rates: ArrayLike, convention: Convention = "z-x-z") -> Float:
@@ -112,7 +113,7 @@ def momenta_of_rates(
     (textbook § 13.20).
     """
     omega = euler_angles.angular_velocity(angles, rates, convention)
-    return momenta(angles, moments_of(moments) * omega, convention)
+    return momenta(angles, moments_of(moments, rotor=True) * omega, convention)
 
 
 def angular_momentum(

@@ -9,10 +9,10 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from inertia.arrays import Float
-from inertia.dynamics.arguments import moments_of, vectors
+from inertia.dynamics.arguments import moments_of, scaled, vectors
 from inertia.dynamics.kinematics.euler_angles import dot
 from inertia.errors import GeometryError
 from inertia.mass.principal import CLASS_TOLERANCE
@@ -20,6 +20,8 @@ from inertia.mass.tensor import array_of
 from inertia.records import dataclass
 
 Rolling = Literal["outside", "inside", "none"]
+
+_Scaled = tuple[Float, NDArray[np.intc]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +57,7 @@ def cones(moments: ArrayLike, angular_velocity: ArrayLike) -> Cones:
 
     Parameters
     ----------
-    moments : (3,) kg m², symmetry axis last
+    moments : (3,) kg m², symmetry axis last; of a rotor that one is 0, and θ is 0 where it spins about its axis alone
     angular_velocity : (…, 3) rad/s
 
     Raises `GeometryError` where I1 and I2 differ by more than `inertia.mass.principal.CLASS_TOLERANCE` of the largest
@@ -65,15 +67,16 @@ def cones(moments: ArrayLike, angular_velocity: ArrayLike) -> Cones:
     >>> plate.rolling, plate.precession.round(3).item(), plate.body_precession.item()
     ('inside', 2.0, 1.0)
     """
-    i1, i2, i3 = moments_of(array_of(moments, (3,), "moments")).tolist()
+    i1, i2, i3 = moments_of(array_of(moments, (3,), "moments"), rotor=True).tolist()
     if abs(i1 - i2) > CLASS_TOLERANCE * max(i1, i2, i3):
         raise GeometryError(
             f"moments are {[i1, i2, i3]} kg m²: cones belong to a symmetric top with its symmetry axis last, I1 and I2 "
             f"may differ by {CLASS_TOLERANCE:g} of the largest moment"
         )
+    i1, i2, i3 = scaled(np.array([i1, i2, i3]))[0].tolist()
     i1 = 0.5 * (i1 + i2)
-    omega = vectors(angular_velocity, "angular_velocity")
-    across, along = np.hypot(omega[..., 0], omega[..., 1]), omega[..., 2]
+    omega, exponent = scaled(vectors(angular_velocity, "angular_velocity"))
+    across, along, exponent = np.hypot(omega[..., 0], omega[..., 1]), omega[..., 2], exponent[..., 0]
     alpha = np.arctan2(across, along)
     theta = np.arctan2(i1 * across, i3 * along)
     return Cones(
@@ -82,8 +85,8 @@ def cones(moments: ArrayLike, angular_velocity: ArrayLike) -> Cones:
         body_half_angle=np.arctan2(across, np.abs(along)),
         space_half_angle=np.arctan2(abs(i3 - i1) * across * np.abs(along), i1 * across**2 + i3 * along**2),
         rolling="outside" if i3 < i1 else "inside" if i3 > i1 else "none",
-        precession=np.hypot(i1 * across, i3 * along) / i1,
-        body_precession=(i3 - i1) * along / i1,
+        precession=np.ldexp(np.hypot(i1 * across, i3 * along) / i1, exponent),
+        body_precession=np.ldexp((i3 - i1) * along / i1, exponent),
     )
 
 
@@ -94,15 +97,16 @@ def momentum_angle(moments: ArrayLike, angular_velocity: ArrayLike) -> Float:
 
     Parameters
     ----------
-    moments : (…, 3) kg m²
+    moments : (…, 3) kg m²; of a rotor one is 0, and the angle is 0 where there is no L
     angular_velocity : (…, 3) rad/s
 
     >>> momentum_angle([1, 1, 1], [3, -4, 12]).item()
     0.0
     """
-    i, w = moments_of(moments), vectors(angular_velocity, "angular_velocity")
-    cross = [(i[..., j] - i[..., k]) * w[..., j] * w[..., k] for j, k in ((1, 2), (2, 0), (0, 1))]
-    angle: Float = np.arctan2(np.linalg.norm(cross, axis=0), dot(i * w, w))
+    i, _ = scaled(moments_of(moments, rotor=True))
+    w, _ = scaled(vectors(angular_velocity, "angular_velocity"))
+    x, y, z = ((i[..., j] - i[..., k]) * w[..., j] * w[..., k] for j, k in ((1, 2), (2, 0), (0, 1)))
+    angle: Float = np.arctan2(np.hypot(np.hypot(x, y), z), dot(i * w, w))
     return angle
 
 
@@ -148,31 +152,37 @@ def poinsot(moments: ArrayLike, angular_velocity: ArrayLike) -> Poinsot:
     >>> poinsot([1, 2, 2], [0, 3, 0]).distance.item()
     3.0
     """
-    moments, omega, twice_energy = _rotating(moments, angular_velocity)
-    momentum = moments * omega
-    size = np.linalg.norm(momentum, axis=-1)
+    (i, _), (w, exponent) = _rotating(moments_of(moments), angular_velocity)
+    momentum, twice_energy = i * w, dot(i * w, w)[..., None]
+    size = np.linalg.norm(momentum, axis=-1, keepdims=True)
     return Poinsot(
-        np.sqrt(twice_energy[..., None] / moments), momentum / size[..., None], np.asarray(twice_energy / size), omega
+        np.ldexp(np.sqrt(twice_energy / i), exponent),
+        momentum / size,
+        np.ldexp(twice_energy / size, exponent)[..., 0],
+        np.ldexp(w, exponent),
     )
 
 
 def binet(moments: ArrayLike, angular_velocity: ArrayLike) -> Binet:
     """Return Binet's construction of a free body from moments (…, 3) kg m² and ω (…, 3) rad/s.
 
-    Raises `GeometryError` where a body does not rotate.
+    Of a rotor one moment is 0, and its ellipsoid a flat disc. Raises `GeometryError` where a body does not rotate.
 
     >>> binet([1, 2, 2], [0, 3, 0]).semi_axes[1:].tolist()
     [6.0, 6.0]
     """
-    moments, omega, twice_energy = _rotating(moments, angular_velocity)
-    momentum = moments * omega
-    return Binet(np.sqrt(twice_energy[..., None] * moments), np.linalg.norm(momentum, axis=-1), momentum)
+    (i, size), (w, pace) = _rotating(moments_of(moments, rotor=True), angular_velocity)
+    momentum, exponent = i * w, size + pace
+    return Binet(
+        np.ldexp(np.sqrt(dot(momentum, w)[..., None] * i), exponent),
+        np.ldexp(np.linalg.norm(momentum, axis=-1), exponent[..., 0]),
+        np.ldexp(momentum, exponent),
+    )
 
 
-def _rotating(moments: ArrayLike, angular_velocity: ArrayLike) -> tuple[Float, Float, Float]:
-    """Return moments, ω and 2T; refuse a body at rest."""
-    moments, omega = moments_of(moments), vectors(angular_velocity, "angular_velocity")
-    twice_energy = dot(moments * omega, omega)
-    if not (twice_energy > 0).all():
-        raise GeometryError("angular_velocity is zero: a body at rest has neither ellipsoid nor plane")
-    return moments, omega, twice_energy
+def _rotating(moments: Float, angular_velocity: ArrayLike) -> tuple[_Scaled, _Scaled]:
+    """Return moments and ω as `scaled` does; refuse a body that has no angular momentum."""
+    omega = vectors(angular_velocity, "angular_velocity")
+    if not ((moments > 0) & (omega != 0)).any(axis=-1).all():
+        raise GeometryError("the body has no angular momentum: at rest it has neither ellipsoid nor plane")
+    return scaled(moments), scaled(omega)

@@ -24,6 +24,9 @@ from inertia.errors import GeometryError
 from inertia.mass.tensor import array_of
 from inertia.records import dataclass
 
+_Amplitude = tuple[Float, Float]
+"""cosχ and sinχ, (n,) each."""
+
 _SHARES = 0.2, 0.45, 0.7, 0.9  # of the way to the separatrix, in 2T/L²
 
 
@@ -82,7 +85,7 @@ def polhode(moments: ArrayLike, angular_velocity: ArrayLike, samples: int = 361)
     (2, [0.0, 0.1, 0.9983])
     """
     curve = _Curve(moments, angular_velocity)
-    branch = curve.at(curve.phases(samples))
+    branch = curve.at(curve.amplitudes(samples))
     other = branch * np.where(np.arange(3) == curve.order[0], 1.0, -1.0)  # half a turn about p keeps the equations
     return Polhode(curve.order[2], np.stack([branch, other]))
 
@@ -100,12 +103,12 @@ def covered(moments: ArrayLike, angular_velocity: ArrayLike, samples: int = 361)
     """
     curve = _Curve(moments, angular_velocity)
     if curve.c:
-        return curve.at(curve.phases(samples))
+        return curve.at(curve.amplitudes(samples))
     p, _, r = curve.order
     if not curve.omega[r]:
         return np.tile(curve.omega, (samples, 1))
-    middle = 0.0 if curve.omega[p] > 0 else np.pi
-    return curve.at(middle + curve.sense * np.linspace(-0.5 * np.pi, 0.5 * np.pi, samples))
+    turn, side = np.linspace(-0.5 * np.pi, 0.5 * np.pi, samples), math.copysign(1.0, curve.omega[p])
+    return curve.at((side * np.cos(turn), side * curve.sense * np.sin(turn)))
 
 
 def separatrix(moments: ArrayLike, angular_momentum: float, samples: int = 361) -> Float:
@@ -157,14 +160,13 @@ def herpolhode(moments: ArrayLike, angular_velocity: ArrayLike, samples: int = 3
         raise GeometryError(
             "the body is on its separatrix, or spins about one of two equal moments: no herpolhode closes"
         )
-    phases = curve.phases(samples)
-    azimuth = curve.azimuth(phases)
+    cosine, sine = curve.amplitudes(samples)
+    azimuth, advance = curve.azimuth((cosine, sine))
     at_p, at_q = curve.radii()
-    radius = np.hypot(at_p * np.cos(phases), at_q * np.sin(phases))
+    radius = np.hypot(at_p * cosine, at_q * sine)
     distance = float(np.sum(curve.moments * curve.omega**2)) / curve.momentum
-    azimuth = azimuth - azimuth[0]
     points = np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), np.full(samples, distance)], axis=-1)
-    return Herpolhode(distance, min(at_p, at_q), max(at_p, at_q), float(azimuth[-1]), points)
+    return Herpolhode(distance, min(at_p, at_q), max(at_p, at_q), advance, points)
 
 
 def polhode_family(moments: ArrayLike, samples: int = 361) -> list[Float]:
@@ -217,16 +219,22 @@ class _Curve:
         cyclic = 1.0 if (q - p) % 3 == 1 else -1.0
         self.sense = math.copysign(1.0, cyclic * (ir - iq) * self.side)
 
-    def phases(self, samples: int) -> Float:
-        """Return χ at samples over one turn from where the body is, in the sense of the motion."""
-        p, q, _ = self.order
-        start = math.atan2(self.omega[q] / self.flatness, self.omega[p])
-        return start + self.sense * np.linspace(0.0, 2.0 * np.pi, samples)
+    def amplitudes(self, samples: int) -> _Amplitude:
+        """Return χ at samples over one turn from where the body is, in the sense of the motion; the last is the first.
 
-    def at(self, phases: Float) -> Float:
+        Near the intermediate axis, where cosχ is small, χ itself would not keep its digits.
+        """
+        p, q, _ = self.order
+        cosine, sine = (self.omega[p] / self.a, self.omega[q] / self.flatness / self.a) if self.a else (1.0, 0.0)
+        turn = self.sense * np.linspace(0.0, 2.0 * np.pi, samples)
+        along, across = np.cos(turn), np.sin(turn)
+        along[-1], across[-1] = along[0], across[0]
+        return cosine * along - sine * across, sine * along + cosine * across
+
+    def at(self, amplitude: _Amplitude) -> Float:
         """Return ω (n, 3) at χ (n,)."""
-        cosine, sine = np.cos(phases), np.sin(phases)
-        omega = np.empty((phases.size, 3))
+        cosine, sine = amplitude
+        omega = np.empty((cosine.size, 3))
         along = self.side * np.hypot(self.b * cosine, self.c * sine)
         omega[:, self.order] = np.stack([self.a * cosine, self.flatness * self.a * sine, along], axis=-1)
         return omega
@@ -238,9 +246,10 @@ class _Curve:
         at_q = abs(ir - iq) * self.flatness * self.a * self.c / self.momentum
         return at_p, at_q
 
-    def azimuth(self, phases: Float) -> Float:
-        """Return ϑ at χ: ∫ ϑ̇/χ̇ dχ, with ϑ̇ = L (cos²χ/I_q + ν sin²χ/I_p)/(cos²χ + ν sin²χ) and ν = (ρ_q/ρ_p)².
+    def azimuth(self, amplitude: _Amplitude) -> tuple[Float, float]:
+        """Return ϑ (n,) from the first of `amplitudes` on, and by how much it grows in a whole turn.
 
+        It is ∫ ϑ̇/χ̇ dχ, with ϑ̇ = L (cos²χ/I_q + ν sin²χ/I_p)/(cos²χ + ν sin²χ), ν = (ρ_q/ρ_p)² and
         χ̇ = (|I_r − I_q|/I_p) (a_q/a_p) ω_r. What is left is R_F and, of sin²χ/(cos²χ + ν sin²χ), R_J.
         """
         from scipy.special import elliprj
@@ -248,13 +257,20 @@ class _Curve:
         ip, iq, ir = self.moments[list(self.order)].tolist()
         mc = (self.c / self.b) ** 2
         nu = mc * (ip / iq) * ((ir - iq) / (ir - ip))
-        turns = np.round(phases / np.pi)
-        rest = np.append(phases - np.pi * turns, 0.5 * np.pi)
-        sine, cosine = np.sin(rest), np.cos(rest)
+        behind = np.where(amplitude[0] < 0, -1.0, 1.0)
+        # The last is a quarter turn: a cosine that is not zero to the last digit would not be small beside √mc.
+        cosine, sine = np.append(np.abs(amplitude[0]), 0.0), np.append(behind * amplitude[1], 1.0)
         squares = cosine**2, sine**2
         time = first_kind(sine, cosine, mc)
         third = sine**3 / 3.0 * elliprj(squares[0], squares[0] + mc * squares[1], 1.0, squares[0] + nu * squares[1])
         rate = abs(ir - iq) / ip * self.flatness * self.b
         angle = self.momentum / rate * (time / iq + (1.0 / ip - 1.0 / iq) * nu * third)
-        azimuth: Float = self.sense * (angle[:-1] + 2.0 * turns * angle[-1])
-        return azimuth
+        azimuth: Float = self.sense * (angle[:-1] + 2.0 * angle[-1] * self._half_turns(amplitude))
+        return azimuth - azimuth[0], float(4.0 * angle[-1])
+
+    def _half_turns(self, amplitude: _Amplitude) -> Float:
+        """Return (n,) how many half turns lead to the side that cosχ says, along `amplitudes`."""
+        cosine, sine = amplitude
+        begun = math.atan2(sine[0], cosine[0]) + self.sense * np.linspace(0.0, 2.0 * np.pi, cosine.size)
+        odd = np.where(cosine < 0, 1.0, 0.0)
+        return odd + 2.0 * np.round(0.5 * (begun / np.pi - odd))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from inertia.arrays import Float, reals
-from inertia.dynamics.arguments import at_index, first_index, moments_of, vectors
+from inertia.dynamics.arguments import at_index, first_index, moments_of, scaled, vectors
 from inertia.dynamics.special import double_double
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.principal import CLASS_TOLERANCE, require_tolerance
@@ -58,7 +58,7 @@ def stable_axes(
     ([True, False, True], [False, False, True])
     """
     require_tolerance(tolerance)
-    moments = moments_of(moments)
+    moments = moments_of(moments, rotor=True)
     others = _others(moments)
     slack = tolerance * np.max(moments, axis=-1)[..., None, None]
     above = (moments[..., None] - others > slack).all(axis=-1)
@@ -94,18 +94,19 @@ def separatrix_distance(moments: ArrayLike, angular_velocity: ArrayLike) -> Floa
 
     Parameters
     ----------
-    moments : (…, 3) kg m², in any order
+    moments : (…, 3) kg m², in any order; of a rotor one is 0
     angular_velocity : (…, 3) rad/s, along the principal axes
 
-    Raises `GeometryError` where a body does not rotate.
+    Raises `GeometryError` where a body does not rotate: where it has no angular momentum.
 
     >>> separatrix_distance([3, 2, 1], [1, 5, 0]).item()       # a spin near axis 2 with a wobble about axis 1
     -0.027522935779816515
     """
-    moments, omega = np.broadcast_arrays(moments_of(moments), vectors(angular_velocity, "angular_velocity"))
-    if (still := ~omega.any(axis=-1)).any():
-        raise GeometryError(f"angular_velocity{at_index(first_index(still))} is zero: a body at rest has no polhode")
-    moments, omega = _scaled(moments), _scaled(omega)
+    moments, omega = np.broadcast_arrays(moments_of(moments, rotor=True), vectors(angular_velocity, "angular_velocity"))
+    if (still := ~((moments > 0) & (omega != 0)).any(axis=-1)).any():
+        where = f"angular_velocity{at_index(first_index(still))} is {omega[first_index(still)].tolist()} rad/s"
+        raise GeometryError(f"{where}: a body that has no angular momentum has no polhode")
+    (moments, _), (omega, _) = scaled(moments), scaled(omega)
     order = np.argsort(moments, axis=-1, kind="stable")
     i1, i2, i3 = np.moveaxis(np.take_along_axis(moments, order, axis=-1), -1, 0)
     w1, _, w3 = np.moveaxis(np.take_along_axis(omega, order, axis=-1), -1, 0)
@@ -131,13 +132,6 @@ def _squared_rates(moments: ArrayLike) -> Float:
 def _others(moments: Float) -> Float:
     """Return (…, 3, 2): for each axis the moments about the other two."""
     return moments[..., [[1, 2], [2, 0], [0, 1]]]
-
-
-def _scaled(vector: Float) -> Float:
-    """Return vectors divided by the power of two next above their largest component."""
-    _, exponent = np.frexp(np.max(np.abs(vector), axis=-1, keepdims=True))
-    scaled: Float = np.ldexp(vector, -exponent)
-    return scaled
 
 
 def _speed(speed: ArrayLike) -> Float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 from itertools import permutations
@@ -13,9 +15,9 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.documents import FieldError
 from inertia.dynamics.models.deforming.jointed_body import JointedBody
-from inertia.dynamics.scene.sections import BodySource
-from inertia.errors import FieldPath, GeometryError, UsageError, placed
-from inertia.mass.analyse import analyse
+from inertia.dynamics.scene.sections import FOR_PART, BodySource
+from inertia.errors import ALLOW_FAULTS, FieldPath, GeometryError, Remedy, Sentence, UsageError, Word, placed, reworded
+from inertia.mass.analyse import analyse, sound_solids_only
 from inertia.mass.analysis import Analysis
 from inertia.mass.eigen import Spectrum
 from inertia.mass.principal import CLASS_TOLERANCE, Principal, principal_of, spectrum_of_tensor
@@ -25,6 +27,7 @@ from inertia.mesh.part import Cells, Part, Source
 from inertia.mesh.read import read
 from inertia.mesh.version import Version
 from inertia.records import dataclass
+from inertia.standard_input import called
 
 if TYPE_CHECKING:
     from inertia.assembly.tree import Node
@@ -210,7 +213,7 @@ def of_tree(path: Path) -> SceneBody:
     assembly = Assembly.load(path)
     mesh = assembly.mesh()
     if mesh is not None:
-        mesh = replace(mesh, source=Source(str(path), path.suffix[1:].lower(), Version(path)))
+        mesh = replace(mesh, source=Source(called(str(path)), path.suffix[1:].lower(), Version(path)))
     body = SceneBody.of(assembly.mass_properties(), mesh, assembly.notes)
     if not _uncertain(assembly.root):
         return body
@@ -237,33 +240,64 @@ def _largest(values: Float) -> str:
     return f"{values.max():.2g}"
 
 
-def accuracy_for(part: Part) -> Literal["exact"] | None:
+def accuracy_for(part: Part, *, solid: bool = True) -> Literal["exact"] | None:
     """Return how accurately to integrate a part whose motion is followed: exactly, where that takes next to no time.
 
-    The bounds of sums in float64 are a hundred times their error, and near an unstable motion they grow.
+    The bounds of sums in float64 are a hundred times their error, and near an unstable motion they grow. What is
+    no solid holds square roots, and has no exact figures.
     """
-    plain = part.shape is None and not isinstance(part.geometry, Cells)
+    plain = solid and part.shape is None and not isinstance(part.geometry, Cells)
     return "exact" if plain and part.geometry.count <= _FEW else None
 
 
 def integrated(source: BodySource, folder: Path, path: str) -> SceneBody:
     """Read and integrate a part or an assembly file in `folder`; `path` is the table that names it."""
     if is_assembly(str(source.part)):
-        for name in ("unit", "density", "material", "mass", "sigma", "allow_faults"):
+        for name in ("mass", *FOR_PART):
             if getattr(source, name) is not None:
                 raise FieldError(f"{path}.{name}", "goes with a mesh: the parts of an assembly have their own")
         return of_tree(folder / str(source.part))
     try:
         part = read(folder / str(source.part), source.unit)
-        analysis = analyse(
-            part,
-            source.density,
-            material=source.material,
-            mass=source.mass,
-            sigma=source.sigma,
-            allow_faults=source.allow_faults,
-            accuracy=accuracy_for(part),
-        )
+        with _remedies_in_place("[body]" if path == "body" else "its [[part]]"):
+            analysis = analyse(
+                part,
+                source.density,
+                material=source.material,
+                mass=source.mass,
+                shell=source.shell,
+                wire=source.wire,
+                sigma=source.sigma,
+                allow_faults=source.allow_faults,
+                accuracy=accuracy_for(part, solid=source.shell is None and source.wire is None),
+            )
     except UsageError as error:
         raise placed(error, FieldPath(path)) from None
     return SceneBody.of_analysis(analysis)
+
+
+@contextmanager
+def _remedies_in_place(table: str) -> Iterator[None]:
+    """Say of what `analyse` advises what a table of a scene has a field for, and what belongs to `analyse` alone."""
+    try:
+        yield
+    except GeometryError as error:
+        words = tuple(_of_table(word, table) for word in Sentence(*error.words).words)
+        field: tuple[Word, ...] = ()
+        allow = next((each for each in error.remedies if each.argument == ALLOW_FAULTS.argument), None)
+        if allow is not None:
+            k = words.index(allow)
+            field = (words[k - 1], f"{allow.argument} = {allow.value} in {table}", *words[k + 1 :])
+            words = words[: k - 1]
+        try:
+            with sound_solids_only("a scene takes sound solids only, and surfaces by their thickness"):
+                raise reworded(error, words, error.places)
+        except GeometryError as noted:
+            raise reworded(noted, (*noted.words, *field), noted.places) from None
+
+
+def _of_table(word: Word, table: str) -> Word:
+    """Return a remedy that a table of a scene has a field of the same name for as that field; all else as it is."""
+    if isinstance(word, Remedy) and word.argument in ("shell", "wire"):
+        return f"{word.argument} = {word.value} in {table}"
+    return word

@@ -23,7 +23,9 @@ SLIP_SPEED = 0.01
 
 _MOST_SAMPLES = 10_000_000
 _SOURCES = ("part", "inertia", "principal_moments")
-_FOR_PART = ("unit", "density", "material", "sigma", "allow_faults")
+FOR_PART = ("unit", "density", "material", "shell", "wire", "sigma", "allow_faults")
+"""Fields of ``[body]`` that go with a mesh, beside its `mass`."""
+
 _UNIT_LENGTH = 1e-6
 
 
@@ -59,6 +61,8 @@ class BodySource(Section):
     unit : length unit of its coordinates; millimetres are assumed where neither this nor the file says one
     density, material : kg/m³, or a name in the table of materials; 1000 kg/m³ is assumed without them
     mass : kg; with a part, as weighed
+    shell : thickness in the part's unit: the surface of the part carries the mass, and may be open
+    wire : cross-section in the part's unit squared: the lines of the part carry the mass
     sigma : standard deviation of the noise of every coordinate of the part, in its unit; with it, and with a density or
         mass as "7850±50", the standard uncertainties of the principal moments are noted
     allow_faults : relative bound up to which small faults of the part's mesh are allowed for, as `inertia.analyse` does
@@ -74,6 +78,8 @@ class BodySource(Section):
     density: Annotated[float | None, estimate("kg/m³")] = None
     material: Annotated[str | None, text] = None
     mass: Annotated[float | None, estimate("kg")] = None
+    shell: Annotated[float | None, estimate("the part's unit")] = None
+    wire: Annotated[float | None, estimate("the part's unit squared")] = None
     sigma: Annotated[float | None, number("the part's unit", positive=True)] = None
     allow_faults: Annotated[float | None, number("", positive=True, below=1.0)] = None
     inertia: Annotated[Float | None, numbers((3, 3), "kg m²")] = None
@@ -88,7 +94,7 @@ class BodySource(Section):
             raise FieldError(path, f"{fault}: give one of {', '.join(_SOURCES)}")
         if not self.part and uncertainty_of(self.mass):
             raise FieldError(f"{path}.mass", "has an uncertainty, which goes with a part only: give the mass alone")
-        stray = ("center_of_mass",) if self.part else _FOR_PART
+        stray = ("center_of_mass",) if self.part else FOR_PART
         for name in stray:
             if getattr(self, name) is not None:
                 why = "the part has its own" if self.part else "only a part file has one"

@@ -85,7 +85,7 @@ class _Model:
         """Return the attributes of an element, those of its class where it has none of its own."""
         name = element.get("class", childclass)
         if name not in self.classes:
-            raise ReadError(f"the default class {shown(name)} is not there")
+            raise ReadError(f"the default class {shown(name)} is not there: define it, or name another")
         return _overlaid(self.classes[name].get(element.tag, {}), element.attrib)
 
 
@@ -144,7 +144,8 @@ def read_mjcf(path: Path) -> Robot:
     count = [0]
     links = [link for world in worlds for link in _bodies(world, None, "main", model, count)]
     if not links:
-        but = f" but in what is left out: {'; '.join(model.left_out)}" if model.left_out else ""
+        left = "; ".join(model.left_out)
+        but = f" but in what is left out: {left}" if left else ": export the robot again"
         raise ReadError(f"it holds no body{but}", code="empty")
     if model.compiler.get("fusestatic") == "true":
         model.note("fusestatic is true: MuJoCo merges bodies without a joint with their parents")
@@ -198,7 +199,7 @@ def _defaults(
     classes[name] = own
     for child in element.findall("default"):
         if child.get("class") is None:
-            raise ReadError("a default in another default has no class")
+            raise ReadError("a default in another default has no class: give it one")
         _defaults(child, child.get("class", ""), own, classes)
 
 
@@ -370,7 +371,7 @@ def _inertial(elements: list[tuple[Element, Placement, str]], what: str, model: 
     element, where, _ = elements[0]
     attributes = element.attrib
     if "mass" not in attributes:
-        raise ReadError(f"{what} has no mass")
+        raise ReadError(f"{what} has no mass: state one")
     mass = float(numbers(attributes, "mass", 1, None, what)[0])
     placement = where.then(model.angles.placement(attributes, what, also=("fullinertia",)))
     numbers(attributes, "pos", 3, None, what)
@@ -454,4 +455,4 @@ def _primitive(kind: str, attributes: Attributes, what: str, model: _Model) -> t
         return placement, Primitive("box", (2 * size[0], 2 * size[1], 2 * size[2]))
     if kind == "ellipsoid":
         return placement, Primitive("ellipsoid", (size[0], size[1], size[2]))
-    raise ReadError(f"{what}: {shown(kind)} is no type of a geom")
+    raise ReadError(f"{what}: {shown(kind)} is no type of a geom: use one of MuJoCo's")

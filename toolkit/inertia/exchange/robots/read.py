@@ -59,12 +59,13 @@ def read_robot(path: str | Path) -> Robot:
             robot = READERS[kind][1](path)
             twice = [name for name, count in Counter(link.name for link in robot.links).items() if count > 1]
             if twice:
-                raise ReadError(f"more than one link is called {shown(twice[0])}: their names must differ")
+                raise ReadError(f"more than one link is called {shown(twice[0])}: give each a name of its own")
             return robot
         except (ReadError, UsageError) as error:
             raise placed(error, f"cannot read {path}") from None
     raise ReadError(
-        f"cannot read {path}: it is no robot of a known format ({', '.join(READERS)})", code="unknown_format"
+        f"cannot read {path}: it is no robot of a known format: name a file of {', '.join(READERS)}",
+        code="unknown_format",
     )
 
 

@@ -134,7 +134,7 @@ def read_sdf(path: Path) -> Robot:
         for link in _links(model, scope, frames, hung, drop, path.parent, folders, notes)
     ]
     if not links:
-        why = "".join(f": {note}" for note in notes if note not in faults)
+        why = "".join(f": {note}" for note in notes if note not in faults) or ": export the robot again"
         raise ReadError(f"it holds no link{why}", code="empty")
     name = models[0].get("name", "") if len(models) == 1 else ""
     return Robot(path, "sdf", name, tuple(links), tuple(notes))

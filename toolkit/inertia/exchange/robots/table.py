@@ -1,15 +1,13 @@
 """A list of parts with stated mass properties, as CSV or TOML.
 
 CSV has a line of names and a row a part: name, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, and if wanted
-mesh, unit and products; other columns are passed over, so that what `inertia.export` writes is read. Semicolons and
-tabs may stand for commas. TOML has a table
-``[[part]]`` each, with center_of_mass and inertia as lists. SI units; the tensor is about the centre of mass.
+mesh, unit and products; what else `inertia.export` writes is passed over, and so are columns whose names begin with #.
+Semicolons and tabs may stand for commas. TOML has a table ``[[part]]`` each, with center_of_mass and inertia as lists.
+SI units; the tensor is about the centre of mass.
 """
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from pathlib import Path
@@ -18,7 +16,18 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.documents import FieldError, Section, choice, number, numbers, section_of, table_of, text, toml_table
+from inertia.documents import (
+    FieldError,
+    Section,
+    choice,
+    number,
+    numbers,
+    require_known,
+    section_of,
+    table_of,
+    text,
+    toml_table,
+)
 from inertia.encoding import text_of
 from inertia.errors import ReadError, UsageError
 from inertia.exchange.robots.links import Figures, Geometry, Inertial, Link, Placement, Robot
@@ -27,7 +36,7 @@ from inertia.mass.tensor import tensor_of
 from inertia.mesh.readers.contents import shown
 from inertia.records import dataclass
 from inertia.standard_input import file_of
-from inertia.tables import cell_number, cell_text
+from inertia.tables import cell_number, cell_text, headed
 from inertia.units import length_unit
 
 _CENTER = ("com_x", "com_y", "com_z")
@@ -35,6 +44,8 @@ _ELEMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 _NEEDED = ("name", "mass", *_ELEMENTS)
 _Written = tuple[Figures | None, Figures | None]  # of the centre and the tensor
 _OPTIONAL = ("mesh", "unit", "products")
+_EXPORTED = ("error_mass", "error_com", "error_inertia", "method", "convention")
+"""Columns of `inertia.export` that nothing is compared with."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,27 +87,19 @@ def read_toml(path: Path) -> Robot:
     parts = document.get("part")
     if not isinstance(parts, list) or not parts:
         raise ReadError("it holds no list of parts: give each as [[part]]", code="empty")
+    require_known(document, ("part",), "")
     tables = [table_of(table, f"part[{k}]") for k, table in enumerate(parts)]
     return _robot(path, "toml", ((table, _figures(table), f"part[{k}]") for k, table in enumerate(tables)))
 
 
 def read_csv(path: Path) -> Robot:
     """Read a list of parts from a CSV file; raise `ReadError` or `UsageError` where it is none."""
-    content = _text(path)
-    first = content.lstrip().partition("\n")[0]
-    delimiter = max(",;\t", key=first.count)
-    rows = csv.DictReader(io.StringIO(content), delimiter=delimiter, skipinitialspace=True)
-    try:
-        names = [name.strip().lower() for name in rows.fieldnames or []]
-        missing = [name for name in _NEEDED if name not in names]
-        if missing:
-            raise ReadError(f"its first line names no column {missing[0]}: it is no list of parts", code="table")
-        if twice := next((name for name in (*_NEEDED, *_CENTER, *_OPTIONAL) if names.count(name) > 1), None):
-            raise ReadError(f"its first line names the column {twice} twice: leave one out", code="table")
-        rows.fieldnames = names
-        return _robot(path, "csv", (_row(row, f"line {rows.line_num}") for row in rows))
-    except csv.Error as error:
-        raise ReadError(f"it is not CSV: {error}", code="table") from None
+    table = headed(_text(path), key="name")
+    if missing := [name for name in _NEEDED if name not in table.columns]:
+        raise ReadError(f"its first line names no column {missing[0]}: it is no list of parts", code="table")
+    known = (*_NEEDED, *_CENTER, *_OPTIONAL, *_EXPORTED)
+    require_known(dict.fromkeys(name for name in table.columns if not name.startswith("#")), known, "")
+    return _robot(path, "csv", (_row(row, f"line {line}") for line, row in table.rows))
 
 
 def _robot(path: Path, format: str, tables: Iterator[tuple[Mapping[str, Any], _Written, str]]) -> Robot:
@@ -107,7 +110,7 @@ def _robot(path: Path, format: str, tables: Iterator[tuple[Mapping[str, Any], _W
             raise FieldError(f"{where}.name", f"is {shown(stated.name)}, as that of another part: names must differ")
         links[stated.name] = Link(stated.name, _inertial(stated, written), tuple(_meshes(stated, path, where)))
     if not links:
-        raise ReadError("it holds no part", code="empty")
+        raise ReadError("it holds no part: give each a row", code="empty")
     return Robot(path, format, path.stem, tuple(links.values()))
 
 
@@ -133,13 +136,11 @@ def _meshes(stated: _Stated, path: Path, where: str) -> Iterator[Geometry]:
     yield Geometry(file.name, "visual", file, scale=scale)
 
 
-def _row(row: Mapping[str | None, Any], where: str) -> tuple[Mapping[str, Any], _Written, str]:
+def _row(row: Mapping[str, str], where: str) -> tuple[Mapping[str, Any], _Written, str]:
     """Return a row of CSV laid out as a table of TOML, how it is written, and where it stands."""
-    if None in row:
-        raise FieldError(where, "has more cells than the first line has names")
 
     def value(name: str) -> float:
-        word = (row.get(name) or "").strip()
+        word = row.get(name, "")
         try:
             return cell_number(word)
         except ValueError:
@@ -147,15 +148,15 @@ def _row(row: Mapping[str | None, Any], where: str) -> tuple[Mapping[str, Any], 
 
     xx, yy, zz, xy, xz, yz = map(value, _ELEMENTS)
     table: dict[str, Any] = {
-        "name": cell_text((row.get("name") or "").strip()),
+        "name": cell_text(row.get("name", "")),
         "mass": value("mass"),
         "inertia": [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]],
     }
-    given = [name for name in _CENTER if (row.get(name) or "").strip()]
+    given = [name for name in _CENTER if row.get(name)]
     if given:
         table["center_of_mass"] = [value(name) for name in _CENTER]
-    table |= {name: row[name].strip() for name in _OPTIONAL if (row.get(name) or "").strip()}
-    words = {name: (row.get(name) or "").strip() for name in (*_CENTER, *_ELEMENTS)}
+    table |= {name: row[name] for name in _OPTIONAL if row.get(name)}
+    words = {name: row.get(name, "") for name in (*_CENTER, *_ELEMENTS)}
     center, inertia = (figures([words[name] for name in names]) for names in (given, _ELEMENTS))
     return table, (center, inertia), where
 

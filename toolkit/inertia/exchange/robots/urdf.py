@@ -118,7 +118,8 @@ def read_urdf(path: Path) -> Robot:
         for element in elements
     ]
     if not links:
-        raise ReadError(f"it holds no link{' that has a name' if nameless else ''}", code="empty")
+        lacks = " that has a name: name them" if nameless else ": export the robot again"
+        raise ReadError(f"it holds no link{lacks}", code="empty")
     names = {link.name for link in links}
     for child, joint in joints.items():
         for name in {child, joint.parent or ""} - names:
@@ -180,7 +181,7 @@ def _inertial(link: Element, what: str, attributes: _Attributes) -> Inertial | N
             attributes.notes[f"{what} has more than one <{tag}>: the first counts, as in other programs"] = None
     mass, tensor, origin = element.find("mass"), element.find("inertia"), element.find("origin")
     if mass is None or mass.get("value") is None:
-        raise ReadError(f"{what} has no mass")
+        raise ReadError(f"{what} has no mass: state one")
     if absent := [key for key in _PAIRS if tensor is None or tensor.get(key) is None]:
         attributes.notes[f"{what} has no {', '.join(absent)}: 0, as in Drake; most programs refuse it"] = None
     xx, yy, zz, xy, xz, yz = (attributes.number(tensor, key, what) for key in _PAIRS)

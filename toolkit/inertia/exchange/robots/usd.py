@@ -179,7 +179,7 @@ def read_usd(path: Path) -> Robot:
         raise ReadError("OpenUSD needs the package usd-core: pip install 'inertia[usd]'", code="needs_package")
     stage = _Stage(path)
     if not stage.bodies:
-        raise ReadError("no prim of it has PhysicsRigidBodyAPI or PhysicsMassAPI", code="empty")
+        raise ReadError("no prim of it has PhysicsRigidBodyAPI or PhysicsMassAPI: apply one to each body", code="empty")
     notes: dict[str, None] = {}
     hung = _hung(stage, notes)
     links = []

@@ -9,7 +9,7 @@ import numpy as np
 
 from inertia.auditing.audit import Audit
 from inertia.auditing.bodies import Body
-from inertia.auditing.judge import LinkAudit
+from inertia.auditing.judge import Finding, LinkAudit
 from inertia.mass.properties import MassProperties
 
 
@@ -36,8 +36,14 @@ def _link(link: LinkAudit) -> dict[str, Any]:
         "computed": computed,
         "difference": None if link.difference is None else asdict(link.difference),
         "triangle_margin": None if link.margin is None or not np.isfinite(link.margin) else link.margin,
-        "findings": [asdict(finding) for finding in link.findings],
+        "findings": [_finding(finding) for finding in link.findings],
     }
+
+
+def _finding(finding: Finding) -> dict[str, Any]:
+    written = asdict(finding)
+    del written["link"]  # among whose findings it stands
+    return written
 
 
 def _stated(body: Body) -> dict[str, Any]:

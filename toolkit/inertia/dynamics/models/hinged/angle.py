@@ -25,6 +25,7 @@ from inertia.records import dataclass
 
 if TYPE_CHECKING:
     from inertia.dynamics.models.heavy.nutation import Nutation
+    from inertia.dynamics.models.heavy.top import State
 
 _EPS = 2.0**-52
 _ORDER = 24
@@ -183,29 +184,36 @@ def _pendulum(figures: Figures, time: Float) -> _Solution:
     from inertia.dynamics.models.heavy.top import HeavyTop, solve_heavy_top
 
     inertia, spin, cosine, sine = (figures[name] for name in ("inertia", "spin", "cosine", "sine"))
-    pull, zero = root(cosine * cosine + sine * sine), Fraction(0)
-    half = (cosine, pull + sine) if sine > 0 else (pull - sine, cosine)  # in proportion to sin ½φ₀ and cos ½φ₀
-    length = root(half[0] * half[0] + half[1] * half[1])
-    exact = (inertia, inertia), pull, (half[0] / length, zero, zero, half[1] / length), (spin, zero, zero)
-    moments = float(inertia), float(inertia)
-    rounded = moments, float(pull), np.array(exact[2], dtype=float), np.array(exact[3], dtype=float)
-    top, motion = HeavyTop.of_state(*rounded, exact), solve_heavy_top(*rounded, time, exact)
-    turned = quaternion.multiply(motion.attitude, quaternion.conjugate(rounded[2]))
+    moments, pull, start, omega, exact = top_of(figures)
+    top = HeavyTop.of_state(moments, pull, start, omega, exact)
+    motion = solve_heavy_top(moments, pull, start, omega, time, exact)
+    turned = quaternion.multiply(motion.attitude, quaternion.conjugate(start))
     turn = 2.0 * np.arctan2(turned[:, 0], turned[:, 3])
     angle = turn - _TURN * np.round(turn / _TURN)
     nutation = top.nutation
     if nutation.rate:
         # Which whole turn that is follows from where in its swing it is, counted from the lowest point.
-        from_lowest = math.remainder(2.0 * math.atan2(rounded[2][0], rounded[2][3]) - math.pi, _TURN)
+        from_lowest = math.remainder(2.0 * math.atan2(start[0], start[3]) - math.pi, _TURN)
         forwards = float(spin) or -float(cosine) * nutation.start
         since = nutation.start / nutation.rate + np.concatenate([[0.0], time])
-        if inertia * spin * spin > 2 * (pull - sine):  # it goes over the top, once in every period
+        if inertia * spin * spin > 2 * (exact[1] - sine):  # it goes over the top, once in every period
             middle = _TURN * nutation.cycles[0] * since
         else:
             middle = 0.25 * _TURN * np.sign(_side(nutation, time) if nutation.cycles[0] else since)
         whole = np.round((math.copysign(1.0, forwards) * middle - np.concatenate([[0.0], angle]) - from_lowest) / _TURN)
         angle = angle + _TURN * (whole[1:] - whole[0])
     return angle, motion.angular_velocity[:, 0], turn, motion.reached + 4.0 * _EPS
+
+
+def top_of(figures: Figures) -> tuple[tuple[float, float], float, Float, Float, State]:
+    """Return moments, mgh, attitude and ω of the top that a pendulum is, as `HeavyTop.of_state` takes them."""
+    inertia, spin, cosine, sine = (figures[name] for name in ("inertia", "spin", "cosine", "sine"))
+    pull, zero = root(cosine * cosine + sine * sine), Fraction(0)
+    half = (cosine, pull + sine) if sine > 0 else (pull - sine, cosine)  # in proportion to sin ½φ₀ and cos ½φ₀
+    length = root(half[0] * half[0] + half[1] * half[1])
+    exact = (inertia, inertia), pull, (half[0] / length, zero, zero, half[1] / length), (spin, zero, zero)
+    moments = float(inertia), float(inertia)
+    return moments, float(pull), np.array(exact[2], dtype=float), np.array(exact[3], dtype=float), exact
 
 
 def _side(nutation: Nutation, time: Float) -> Float:

@@ -15,6 +15,7 @@ from inertia.dynamics.loads.losses import Damping
 from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.models.hinged.angle import axle_of, solve_angle
 from inertia.dynamics.models.hinged.axle import Axle
+from inertia.dynamics.models.hinged.period import recurrence
 from inertia.dynamics.models.model import Candidate, Model, Problem
 from inertia.dynamics.models.rational import cross, dot, principal_rows, rationals, root, rotated
 from inertia.dynamics.motion import Motion
@@ -87,9 +88,13 @@ class HingedBody(Model):
         motion = Motion(attitude, omega, swing.method, swing.off + 8.0 * _EPS, quantities=quantities)
         if steady or damping or torques:
             return motion
+        if (back := recurrence(figures)) is not None:
+            motion = replace(motion, quantities=quantities | back.quantities, remarks=(back.remark,))
         energy = self.energy(candidate, motion)
-        largest = 0.5 * axle.inertia * float((rate**2).max()) + axle.pull + held.stiffness * float((spring**2).max())
-        return replace(motion, invariants={"energy": energy}, scales={"energy": largest})
+        turning = 0.5 * axle.inertia * float((rate**2).max()) + held.stiffness * float((spring**2).max())
+        # The weight has a potential of the whole arm, which along the axle turns nothing, yet rounds.
+        potential = problem.weight * float(np.linalg.norm(candidate.arm))
+        return replace(motion, invariants={"energy": energy}, scales={"energy": turning + potential})
 
     def energy(self, candidate: Candidate, motion: Motion) -> Float:
         """Return the energy (n,) of the rotation, the weight and the spring, J."""
