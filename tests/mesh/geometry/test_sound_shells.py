@@ -185,6 +185,38 @@ def test_one_place_at_which_a_large_shell_is_broken_through_is_not_missed(spike:
     assert counted(in_a_ball(*sound, spike, mixed=mixed)) is None
 
 
+def onion(count: int, place: float) -> list[Mesh]:
+    """Return shells nearer to each other than their triangles bulge, every second one the wall of a void."""
+    vertices, faces = sphere(splits=2)
+    meshes = [turned((0.97**k * vertices, faces), 1) for k in range(count)]
+    return [(corners + place, faces if k % 2 == 0 else faces[:, ::-1]) for k, (corners, faces) in enumerate(meshes)]
+
+
+@pytest.mark.parametrize("place", [0.0, 1e4])
+@pytest.mark.parametrize("mixed", [None, 0])
+def test_the_planes_of_triangles_hold_shells_apart_that_lie_within_them(
+    mixed: int | None, place: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sound_shells, "touching_groups", lambda *_, **__: None)
+    surface = joined(*onion(9, place))
+    if mixed is not None:
+        surface = Surface(surface.vertices, np.random.default_rng(mixed).permutation(surface.faces))
+    assert counted(surface) == 5
+
+
+@pytest.mark.parametrize("depth", [0.1, 1e-3, 1e-6, 1e-9, 1e-12])
+@pytest.mark.parametrize("k", [0, 3, 7])
+def test_a_shell_that_one_point_of_the_next_breaks_through_is_not_apart(k: int, depth: float) -> None:
+    meshes = onion(9, 0.0)
+    (outer, faces), (inner, _) = meshes[k], meshes[k + 1]
+    face = faces[7]
+    inner[face[0]] = (1.0 + depth) * (outer[face] * [[0.5], [0.25], [0.25]]).sum(axis=0)
+    surface = joined(*meshes)
+    nesting = nesting_of(surface, closure(surface))
+    assert nesting is not None
+    assert {k, k + 1} <= set(nesting.suspects.tolist()) <= {k, k + 1, k + 2}
+
+
 def test_shells_that_cross_themselves_are_still_looked_for_one_by_one() -> None:
     vertices, faces = sphere(splits=2)
     vertices = vertices.copy()

@@ -1,4 +1,4 @@
-"""The compiled search for planes between shells whose boxes meet; see `sound_shells`.
+"""The compiled search for planes between shells whose boxes meet, or of which one holds the other; see `sound_shells`.
 
 Which direction is tried need not be exact: that of the middles of two shells first, then that of the point nearest the
 origin among the differences of their points found so far (E. G. Gilbert, D. W. Johnson and S. S. Keerthi, "A fast
@@ -12,12 +12,29 @@ Imported only to be compiled (`inertia.native`).
 from __future__ import annotations
 
 import numpy as np
-from numba import carray, njit
+from llvmlite import ir
+from numba import carray, njit, types
+from numba.extending import intrinsic
 
-from inertia.mesh.geometry.shell_kernel import COLUMNS, MEETS, girth, larger, least, most, overlap
+from inertia.mesh.geometry.shell_kernel import (
+    BLUR,
+    COLUMNS,
+    MEETS,
+    NEAR,
+    TINY,
+    girth,
+    larger,
+    least,
+    most,
+    overlap,
+    smaller,
+)
 
 DIRECTIONS, FURTHER = 1, 12
 """Directions that are tried of whole shells; of their triangles near each other."""
+
+MANY, SOME = 32, 8
+"""Points that are projected together."""
 
 ROOM = 2.0**-21
 """More than what storing points and projecting them rounds by, over how far they are from the middle of their box."""
@@ -30,6 +47,9 @@ WHOLE = 16
 
 SMALLEST = 2.0**-126
 """Above what float32 numbers that underflow are off by."""
+
+SHARE = 2.0**-20
+"""Of a squared height, that it has to be larger than what it is compared with; a quarter of it for the rounding."""
 
 FLAT = 1e-14
 """Of the squared sides of a triangle, what its squared area has to be more than for its inside to be looked at."""
@@ -74,24 +94,58 @@ def copy_shells(
     return 0
 
 
+def highest_of(lanes):
+    """Make the function that returns the largest projection of so many points, one after another, onto a direction."""
+
+    @intrinsic
+    def of_several(context, points, k, x, y, z):
+        """Return that of points from the k-th on, of (3, n) float32."""
+
+        def code(context, builder, signature, arguments):
+            numbers = ir.VectorType(ir.FloatType(), lanes)
+            table = context.make_array(signature.args[0])(context, builder, arguments[0])
+            row, place = builder.extract_value(table.strides, 0), builder.gep(table.data, [arguments[1]])
+            place, heights = builder.bitcast(place, ir.IntType(8).as_pointer()), None
+
+            def part(first, count):
+                return ir.Constant(ir.VectorType(ir.IntType(32), count), [*range(first, first + count)])
+
+            for direction in arguments[2:]:
+                alone = builder.insert_element(ir.Constant(numbers, ir.Undefined), direction, ir.IntType(32)(0))
+                same = builder.shuffle_vector(alone, alone, ir.Constant(part(0, lanes).type, [0] * lanes))
+                along = builder.load(builder.bitcast(place, numbers.as_pointer()), align=4)
+                product = builder.fmul(along, same, flags=("contract",))
+                heights = product if heights is None else builder.fadd(heights, product, flags=("contract",))
+                place = builder.gep(place, [row])
+            half = lanes // 2
+            while half:
+                one, other = (builder.shuffle_vector(heights, heights, part(first, half)) for first in (0, half))
+                heights = builder.select(builder.fcmp_ordered(">", one, other), one, other)
+                half //= 2
+            return builder.extract_element(heights, ir.IntType(32)(0))
+
+        return types.float32(points, types.int64, types.float32, types.float32, types.float32), code
+
+    return of_several
+
+
+highest_of_many, highest_of_some = highest_of(MANY), highest_of(SOME)
+
+
 @njit(error_model="numpy", forceinline=True)
 def highest(points, k, end, x, y, z):
-    """Return the largest projection of points onto a direction: eight at a time, as vector instructions have it."""
-    a = b = c = d = e = f = g = h = np.float32(-np.inf)
-    while k + 8 <= end:
-        a = larger(a, x * points[0, k] + y * points[1, k] + z * points[2, k])
-        b = larger(b, x * points[0, k + 1] + y * points[1, k + 1] + z * points[2, k + 1])
-        c = larger(c, x * points[0, k + 2] + y * points[1, k + 2] + z * points[2, k + 2])
-        d = larger(d, x * points[0, k + 3] + y * points[1, k + 3] + z * points[2, k + 3])
-        e = larger(e, x * points[0, k + 4] + y * points[1, k + 4] + z * points[2, k + 4])
-        f = larger(f, x * points[0, k + 5] + y * points[1, k + 5] + z * points[2, k + 5])
-        g = larger(g, x * points[0, k + 6] + y * points[1, k + 6] + z * points[2, k + 6])
-        h = larger(h, x * points[0, k + 7] + y * points[1, k + 7] + z * points[2, k + 7])
-        k += 8
+    """Return the largest projection of points onto a direction: many at a time, as vector instructions have it."""
+    best = np.float32(-np.inf)
+    while k + MANY <= end:
+        best = larger(best, highest_of_many(points, k, x, y, z))
+        k += MANY
+    while k + SOME <= end:
+        best = larger(best, highest_of_some(points, k, x, y, z))
+        k += SOME
     while k < end:
-        a = larger(a, x * points[0, k] + y * points[1, k] + z * points[2, k])
+        best = larger(best, x * points[0, k] + y * points[1, k] + z * points[2, k])
         k += 1
-    return larger(larger(larger(a, b), larger(c, d)), larger(larger(e, f), larger(g, h)))
+    return best
 
 
 @njit(error_model="numpy", forceinline=True)
@@ -293,4 +347,137 @@ def part_shells(
             for k in range(2):
                 stack[waiting, 0], stack[waiting, 1] = nodes[p, k], q
                 waiting += 1
+    return 0
+
+
+@njit(error_model="numpy", forceinline=True)
+def overlaps(boxes, row, lx, ly, lz, hx, hy, hz):
+    """Say whether a box has a point in common with another."""
+    beside = (boxes[row, 3] < lx) | (hx < boxes[row, 0]) | (boxes[row, 4] < ly) | (hy < boxes[row, 1])
+    return not (beside | (boxes[row, 5] < lz) | (hz < boxes[row, 2]))
+
+
+@njit(error_model="numpy", forceinline=True)
+def sphere(table, radii, shell):
+    """Return the middle of a sphere around a shell, and the square of its radius."""
+    x = 0.5 * table[shell, 0] + 0.5 * table[shell, 3]
+    y = 0.5 * table[shell, 1] + 0.5 * table[shell, 4]
+    return x, y, 0.5 * table[shell, 2] + 0.5 * table[shell, 5], radii[shell]
+
+
+@njit(error_model="numpy", forceinline=True)
+def passes(x, y, z, square, nx, ny, nz, sides):
+    """Say whether a plane is sure to pass a sphere, given from a place in the plane; `sides` as for `BLUR`, squared."""
+    height = x * nx + y * ny + z * nz
+    height *= height
+    blur = BLUR * BLUR * sides * (x * x + y * y + z * z)
+    clear = height * (1.0 - SHARE) > square * (nx * nx + ny * ny + nz * nz)
+    return clear & (blur + TINY < SHARE * SHARE / 16.0 * height)
+
+
+@njit(error_model="numpy", forceinline=True)
+def largest_of(x, y, z):
+    """Return the largest magnitude of three numbers."""
+    return larger(larger(abs(x), abs(y)), abs(z))
+
+
+@njit(error_model="numpy", forceinline=True)
+def beyond(table, shell, points, begin, end, triangle, normal):
+    """Say whether a triangle is sure to lie beyond all points of a shell, along the normal that leads away from it."""
+    (nx, ny, nz), (a, b, c) = normal, triangle
+    size = largest_of(nx, ny, nz)
+    if not size > 0.0:
+        return False
+    x = 0.5 * table[shell, 0] + 0.5 * table[shell, 3]
+    y = 0.5 * table[shell, 1] + 0.5 * table[shell, 4]
+    z = 0.5 * table[shell, 2] + 0.5 * table[shell, 5]
+    ax, ay, az = a[0] - x, a[1] - y, a[2] - z
+    bx, by, bz = b[0] - x, b[1] - y, b[2] - z
+    cx, cy, cz = c[0] - x, c[1] - y, c[2] - z
+    size = size if ax * nx + ay * ny + az * nz > 0.0 else -size
+    fx, fy, fz = np.float32(nx / size), np.float32(ny / size), np.float32(nz / size)
+    dx, dy, dz = np.float64(fx), np.float64(fy), np.float64(fz)
+    height = smaller(dx * ax + dy * ay + dz * az, smaller(dx * bx + dy * by + dz * bz, dx * cx + dy * cy + dz * cz))
+    far = largest_of(ax, ay, az) + largest_of(bx, by, bz) + largest_of(cx, cy, cz)
+    far += largest_of(x - table[shell, 0], y - table[shell, 1], z - table[shell, 2])
+    room = ROOM * (abs(dx) + abs(dy) + abs(dz)) * far + SMALLEST
+    return height - np.float64(highest(points, 3 * begin, 3 * end, fx, fy, fz)) > room
+
+
+def near_children(
+    vertices_at, vertices, faces_at, labels_at, count, table_at, shells, radii_at, boxes_at, nodes_at, order_at,
+    ranges_at, starts_at, ends_at, points_at, slots, patience_at, again, near_at, flags_at, stack_at,
+):  # fmt: skip
+    """Mark the triangles that may meet a shell next inside their own, and these shells.
+
+    `boxes` and `nodes` are those of the shells in order, and enclosing them, as `meet_boxes` leaves them; `ranges` says
+    where those next inside a shell begin and end. A triangle is apart from one whose box its own does not meet, or
+    where its plane passes the sphere around it; `again` only those are looked at that are marked, and are apart too
+    where their planes have all points of it on one side, of those that `copy_shells` wrote.
+    """
+    corners = carray(vertices_at, (vertices, 3), np.float64)
+    faces = carray(faces_at, (count, 3), np.int64)
+    labels = carray(labels_at, (count,), np.int32)
+    table = carray(table_at, (shells, COLUMNS), np.float64)
+    radii = carray(radii_at, (shells,), np.float64)
+    boxes = carray(boxes_at, (2 * shells, 6), np.float32)
+    nodes = carray(nodes_at, (2 * shells, 2), np.int32)
+    order = carray(order_at, (shells,), np.int64)
+    ranges = carray(ranges_at, (shells, 2), np.int64)
+    starts, ends = carray(starts_at, (shells,), np.int64), carray(ends_at, (shells,), np.int64)
+    points = carray(points_at, (3, 3 * slots), np.float32)
+    patience = carray(patience_at, (shells,), np.int64)
+    near = carray(near_at, (count,), np.uint8)
+    flags = carray(flags_at, (shells,), np.uint8)
+    stack = carray(stack_at, (512,), np.int64)
+    before, root, only = np.int32(-1), 0, False
+    x, y, z, square = 0.0, 0.0, 0.0, 0.0
+    for k in range(count):
+        shell = labels[k]
+        if shell < 0 or ranges[shell, 0] == ranges[shell, 1] or near[k] < again:
+            continue
+        near[k] = 0
+        if shell != before:  # triangles of a shell mostly follow one another
+            before, root = shell, nodes[ranges[shell, 1] - 1, 0]
+            only = root < shells
+            if only:
+                x, y, z, square = sphere(table, radii, order[root])
+        p, q, r = faces[k, 0], faces[k, 1], faces[k, 2]
+        ax, ay, az = corners[p, 0], corners[p, 1], corners[p, 2]
+        bx, by, bz = corners[q, 0], corners[q, 1], corners[q, 2]
+        cx, cy, cz = corners[r, 0], corners[r, 1], corners[r, 2]
+        ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
+        nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        sides = (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
+        if only and passes(x - ax, y - ay, z - az, square, nx, ny, nz, sides):
+            continue
+        lx, ly, lz = least(ax, bx, cx, cx), least(ay, by, cy, cy), least(az, bz, cz, cz)
+        hx, hy, hz = most(ax, bx, cx, cx), most(ay, by, cy, cy), most(az, bz, cz, cz)
+        lx, ly, lz = np.float32(lx), np.float32(ly), np.float32(lz)
+        hx, hy, hz = np.float32(hx), np.float32(hy), np.float32(hz)
+        stack[0] = root
+        waiting = 1
+        while waiting > 0:
+            waiting -= 1
+            row = stack[waiting]
+            if row >= shells:
+                if overlaps(boxes, row, lx, ly, lz, hx, hy, hz):
+                    stack[waiting], stack[waiting + 1] = nodes[row, 1], nodes[row, 0]
+                    waiting += 2
+                continue
+            child = order[row]
+            if not only:
+                x, y, z, square = sphere(table, radii, child)
+            # The sphere first, as it tells most apart: a branch that is hard to predict costs more.
+            if passes(x - ax, y - ay, z - az, square, nx, ny, nz, sides):
+                continue
+            if not overlaps(boxes, row, lx, ly, lz, hx, hy, hz):
+                continue
+            if patience[child] > 0:
+                patience[child] -= ends[child] - starts[child]
+                triangle = (ax, ay, az), (bx, by, bz), (cx, cy, cz)
+                if beyond(table, child, points, starts[child], ends[child], triangle, (nx, ny, nz)):
+                    continue
+            near[k] = 1
+            flags[child] |= NEAR
     return 0

@@ -49,8 +49,8 @@ _SORT = Kernel(_MODULE, "sort_places", "pppii")
 _MEET = Kernel(_MODULE, "meet_boxes", "ppppi" + "ppppppp")
 _ASK = Kernel(_MODULE, "ask_runs", "pippp" + "ppip" + "i" + "ddddd" + "ppip")
 _CAST = Kernel(_MODULE, "cast_rays", "pippi" + "pi" + "ppppp" + "ppip" + "i" + "ddddd" + "pp")
-_NEAR = Kernel(_MODULE, "near_children", "pippi" + "pi" + "ppppp" + "ppp", fused=True)
 _COPY = Kernel(_PARTING, "copy_shells", "pippi" + "ipipp" + "pppi")
+_NEAR = Kernel(_PARTING, "near_children", "pippi" + "pi" + "ppppp" + "pppipi" + "ppp", fused=True)
 _PART = Kernel(_PARTING, "part_shells", "pippp" + "ippppi" + "pppi" + "ppppi", fused=True)
 _KERNELS = MEASURE, FINELY, _PLACES, _SORT, _MEET, _ASK, _CAST, _NEAR, _COPY, _PART, FIND
 _COUNTS = 6, 1 << 11  # as the kernels have them
@@ -269,7 +269,7 @@ def _suspects(
     count, order, none = len(table), tree.order, np.empty(0, np.int64)
     near = np.zeros(triangles.count, np.uint8)
     if (parent >= 0).any():
-        near = _near_children(triangles, closure, table, tree, parent, radii)
+        near = _near_children(triangles, closure, table, tree, parent, radii, streamed)
     if not (tree.flags & (_MEETS | _NEARBY)).any():
         return none
     if streamed:
@@ -304,28 +304,79 @@ def _suspects(
 
 
 def _near_children(
-    triangles: Triangles, closure: Closure, table: Float, tree: _Boxes, parent: Int, radii: Float
+    triangles: Triangles, closure: Closure, table: Float, tree: _Boxes, parent: Int, radii: Float, streamed: bool
 ) -> NDArray[np.uint8]:
     """Say which triangles may meet a shell next inside their own, and flag these; where most may, all are taken."""
     labels = closure.labels
     ranges = np.searchsorted(parent[tree.order], np.arange(len(table))[:, None] + (0, 1))
     of_shells = address(table), len(table), *map(address, (radii, tree.boxes, tree.nodes, tree.order, ranges))
 
-    def asked(some: Triangles, of: NDArray[np.int32], flags: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        near, room = np.zeros(some.count, np.uint8), np.empty(512, np.int64)
+    def asked(
+        some: Triangles, of: NDArray[np.int32], flags: NDArray[np.uint8], near: NDArray[np.uint8], copies: _Copies
+    ) -> NDArray[np.uint8]:
+        room, again = np.empty(512, np.int64), int(copies is not none)
+        patience = np.where(copies.ends > copies.starts, LOOKS * (copies.ends - copies.starts) + ANYWAY, 0)
         for which, *chunk in chunks(some, of):
-            _NEAR.function(*chunk, *of_shells, near[which].ctypes.data, address(flags), address(room))
+            of_result = near[which].ctypes.data, address(flags), address(room)
+            _NEAR.function(*chunk, *of_shells, *copies.places, address(patience), again, *of_result)
         return near
 
+    none = _Copies.of(np.zeros(len(table), np.int64))
     few = np.arange(0, triangles.count, triangles.count // _SAMPLE + 1)
-    if (
-        triangles.count < _LARGE * len(table)
-        or asked(triangles.select(few), labels[few], tree.flags.copy()).mean() < _MANY
-    ):
-        return asked(triangles, labels, tree.flags)
-    tree.flags[parent >= 0] |= _NEARBY
-    holds = np.append(ranges[:, 0] < ranges[:, 1], False).astype(np.uint8)  # the last is that of triangles in none
-    return holds.take(labels)
+    if triangles.count >= _LARGE * len(table):
+        sample = asked(triangles.select(few), labels[few], tree.flags.copy(), np.zeros(len(few), np.uint8), none)
+        if sample.mean() >= _MANY:
+            tree.flags[parent >= 0] |= _NEARBY
+            holds = np.append(ranges[:, 0] < ranges[:, 1], False).astype(np.uint8)  # the last is of those in none
+            return holds.take(labels)
+    near = asked(triangles, labels, tree.flags, np.zeros(triangles.count, np.uint8), none)
+    small = ((tree.flags & _NEARBY) != 0) & (table[:, 11] <= _LARGE)
+    if streamed or not small.any():
+        return near
+    copies = _Copies.of(np.where(small, table[:, 11], 0).astype(np.int64))
+    copies.fill(triangles, labels, table, np.where(small, _MEETS, 0).astype(np.uint8), table[:, :6].copy())
+    tree.flags[:] &= ~np.uint8(_NEARBY)
+    return asked(triangles, labels, tree.flags, near, copies)
+
+
+class _Copies(NamedTuple):
+    """Room for the triangles of some shells, shell by shell, as float32.
+
+    Attributes
+    ----------
+    starts, ends : (m,), where those of each shell are
+    numbers : (k,), which they are
+    points : (3, 3 k), their corners about the middle of the box of their shell
+    """
+
+    starts: Int
+    ends: Int
+    numbers: Int
+    points: NDArray[np.float32]
+
+    @classmethod
+    def of(cls, counts: Int) -> _Copies:
+        """Return room for so many triangles (m,) of each shell."""
+        starts, slots = np.cumsum(counts) - counts, max(int(counts.sum()), 1)  # of no room there is no address
+        return cls(starts, starts.copy(), np.empty(slots, np.int64), np.empty((3, 3 * slots), np.float32))
+
+    @property
+    def slots(self) -> int:
+        """How many triangles there is room for."""
+        return len(self.numbers)
+
+    @property
+    def places(self) -> tuple[int, int, int, int]:
+        """What kernels take of where which points are."""
+        return address(self.starts), address(self.ends), address(self.points), self.slots
+
+    def fill(
+        self, triangles: Triangles, labels: NDArray[np.int32], table: Float, flags: NDArray[np.uint8], zones: Float
+    ) -> None:
+        """Copy the triangles in the zones of shells that are flagged as meeting others."""
+        of_copies = *map(address, (flags, zones, self.ends, self.numbers, self.points)), self.slots
+        for part, *chunk in chunks(triangles, labels):
+            _COPY.function(*chunk, part.start, address(table), len(table), *of_copies)
 
 
 def _unparted(
@@ -337,19 +388,16 @@ def _unparted(
     flags, within = np.zeros(count, np.uint8), np.zeros(triangles.count, np.uint8)
     if not counts.any():
         return flags != 0, within
-    starts, slots = np.cumsum(counts) - counts, int(counts.sum())
-    ends = starts.copy()
-    numbers, points = np.empty(slots, np.int64), np.empty((3, 3 * slots), np.float32)
-    of_copies = address(tree.flags), address(tree.zones), address(ends), address(numbers), address(points), slots
-    for part, *chunk in chunks(triangles, closure.labels):
-        _COPY.function(*chunk, part.start, address(table), count, *of_copies)
+    copies = _Copies.of(counts)
+    copies.fill(triangles, closure.labels, table, tree.flags, tree.zones)
+    starts, ends, numbers, points = copies
     last, most = 2 * count - len(np.unique(parent)), int((ends - starts).max())
     if not most:
         return flags != 0, within
     spare, which = np.empty((6, 3 * most), np.float32), np.empty((2, most), np.int64)
     patience, work, stack = LOOKS * counts + ANYWAY, np.empty((8, 3)), np.empty((512, 2), np.int64)
     of_tree = address(tree.order), address(tree.boxes), address(tree.nodes), last
-    of_points = address(starts), address(ends), address(numbers), address(points), slots
+    of_points = address(starts), address(ends), address(numbers), address(points), copies.slots
     room = address(patience), address(spare), address(which), most, address(work), address(stack)
     _PART.function(address(table), count, *of_tree, *of_points, *room, address(flags), address(within), triangles.count)
     whole = (flags & _WHOLE) != 0
