@@ -138,7 +138,7 @@ def test_what_a_scene_advises_is_a_field_of_it_or_done_with_analyse(
         text = "".join(capsys.readouterr()).replace(str(file), "")
         advised = {match[0] for match in NAMED.finditer(text)}
         assert "--allow-faults" not in advised
-        assert not advised or "(with `inertia analyse`: a scene takes sound solids only, and surfaces" in text
+        assert not advised or "with `inertia analyse`: a scene takes sound solids only, and surfaces" in text
     for allowed in re.findall(rf"; (allow_faults = \S+) in (?:its )?{re.escape(table)} gives an answer", text):
         scene.write_text(f'{head}\npart = "{file}"\nunit = "mm"\n{allowed}\n{more}{moves}')
         assert main(["simulate", str(scene)]) == 0

@@ -200,6 +200,11 @@ def test_what_is_no_solid_tumbles_by_its_surface_or_its_lines(
     assert (code, err.count("use --wire AREA for lines, or export a solid\n")) == (4, 1)
     code, out, _ = run(capsys, "tumble", HANDLE, *SPIN, "--shell", "1", "--mass", "2", "--json")
     assert (code, json.loads(out)["body"]["mass"]) == (0, 2.0)
+    sheet = tmp_path / "sheet.obj"
+    sheet.write_text("v 0 0 0\nv 30 0 0\nv 0 40 0\nf 1 2 3\n")
+    code, _, err = run(capsys, "tumble", str(sheet), *options[2:])
+    own, _, foreign = err.partition(" (--repair with `inertia analyse`: tumbling takes a sound solid, or a surface by")
+    assert (code, own.endswith("or use --shell THICKNESS or --repair"), bool(foreign)) == (4, True, True)
 
 
 def test_a_negative_spin_is_no_option(capsys: pytest.CaptureFixture[str]) -> None:

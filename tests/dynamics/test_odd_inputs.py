@@ -36,7 +36,7 @@ def scene(*loads: object, spin: object = (0.0, 0.1, 1.0), duration: float = 10.0
         (scene(DAMPING, spin=[0, 0, 1e59], constraint=HINGE), r"the attitude is lost over 10 s \(closed form"),
         (
             scene(DAMPING, GRAVITY, spin=[0, 0, 1e30], constraint={**HINGE, "point": [0.1, 0, 0]}),
-            "the scene: the angle leaves float64",
+            "the scene: the run would take some",
         ),
     ],
 )

@@ -152,6 +152,20 @@ def test_with_no_tolerance_only_equal_bits_are_equal() -> None:
     assert principal(np.diag([1.0, 2.0, np.nextafter(2.0, 3.0)]), 0.0).kind == "asymmetric"
 
 
+@pytest.mark.parametrize(
+    ("moments", "kind"),
+    [
+        ([-5.0, 1.0, 1.0], "prolate"),
+        ([-1e-3, 1.0, 1.0], "prolate"),
+        ([-1e-7, 1.0, 1.0], "rotor"),
+        ([-2.0, -1.0, -1.0], "prolate"),
+    ],
+)
+def test_a_moment_that_is_truly_negative_is_not_taken_for_zero(moments: list[float], kind: str) -> None:
+    decomposition = principal(np.diag(moments))
+    assert (decomposition.moments.tolist(), decomposition.kind) == (moments, kind)
+
+
 @pytest.mark.parametrize("tolerance", [-1, 1.0, np.nan, np.inf, "1e-6", None, True], ids=str)
 def test_a_tolerance_is_a_part_of_the_largest_moment(tolerance: object) -> None:
     for call in (principal, lambda it, tol: MassProperties(1, 1, [0, 0, 0], it).principal_within(tol)):

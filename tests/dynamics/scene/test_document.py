@@ -85,8 +85,25 @@ def test_a_surface_and_lines_carry_the_mass_where_that_is_asked_for(tmp_path: Pa
         assert any("standard uncertainties" in note for note in uncertain.notes)
         with pytest.raises(GeometryError, match=f"use {name} = [A-Z]+ in \\[body\\]"):
             scene(body=there)
+        with pytest.raises(UsageError, match=f"leave allow_faults in \\[body\\] or {name} in \\[body\\] out"):
+            scene(body=there | model | {"allow_faults": 0.1})
         parts = [there | model | {"name": "base"}, there | model | {"name": "lid", "parent": "base"}]
         assert scene(body=None, part=parts).body.mass == pytest.approx(2 * alone.mass)
+
+
+def test_a_wire_where_there_are_no_lines_is_to_be_left_out_of_its_table(tmp_path: Path) -> None:
+    sheet = tmp_path / "sheet.obj"
+    sheet.write_text("v 0 0 0\nv 30 0 0\nv 0 40 0\nf 1 2 3\n")
+    there = {"part": str(sheet), "unit": "mm", "wire": 1.0}
+    other = {"name": "lid", "parent": "base", "mass": 1.0, "principal_moments": [1, 1, 1]}
+    for tables, where in (({"body": there}, "[body]"), ({"part": [there | {"name": "base"}, other]}, "its [[part]]")):
+        with pytest.raises(GeometryError) as caught:
+            scene(**{"body": None} | tables)
+        assert f": leave wire in {where} out, or use shell = THICKNESS in {where}" in str(caught.value)
+    with pytest.raises(GeometryError) as caught:
+        scene(body=there | {"wire": None})
+    text = str(caught.value)
+    assert "use shell = THICKNESS in [body] or inertia.repair(part) (inertia.repair(part) with inertia.analyse" in text
 
 
 def test_small_faults_of_the_part_are_allowed_for_where_that_is_asked_for() -> None:

@@ -15,6 +15,7 @@ from inertia.dynamics.plan import plan
 from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.scene.sections import Settings, Start
+from inertia.dynamics.sensitivity import attitude_uncertainty
 from inertia.dynamics.simulate import simulate
 from inertia.errors import GeometryError, ReadError, UsageError
 from inertia.report.run.document import run_document
@@ -191,6 +192,25 @@ def test_a_field_of_a_part_that_is_wrong_is_named(table: dict[str, Any], words: 
 def test_what_no_part_can_be_is_refused(wheel: dict[str, Any], message: str) -> None:
     with pytest.raises(GeometryError, match=f"^the scene: {message}"):
         Scene.from_dict(stool(wheel=wheel))
+
+
+def test_what_is_uncertain_of_parts_on_joints_moves_the_attitude_as_that_of_one_body_does() -> None:
+    """The same box as one body and as two halves of its mass, by a mass that is as uncertain in both."""
+    heavy = {"part": str(path("box.stl")), "unit": "mm"}
+    there = {"start": {"angular_velocity": [1.0, 3.0, 8.0], "frame": "part"}, "run": {"duration": 2.0, "samples": 2}}
+    still = {"axis": [0, 0, 1], "times": [0.0, 1.0], "angles": [0.0, 0.0]}
+    halves = [
+        {"name": "base", **heavy, "mass": "0.5±0.01", "sigma": 0.05},
+        {"name": "lid", "parent": "base", **heavy, "mass": "0.5±0.01", "sigma": 0.05, "joint": [still]},
+    ]
+    whole = attitude_uncertainty(simulate(scene(there, body={**heavy, "mass": "1±0.01", "sigma": 0.05})))
+    parts = attitude_uncertainty(simulate(scene(there, part=halves)))
+    assert whole is not None
+    assert parts == pytest.approx(whole / math.sqrt(2.0), rel=1e-3)  # independent halves
+    run = simulate(scene(there, part=halves))
+    assert run_document(run)["accuracy"]["standard_uncertainty"] == pytest.approx(parts)
+    assert "(one standard deviation)" in run_text(run)
+    assert attitude_uncertainty(simulate(Scene.from_dict(STOOL))) is None
 
 
 def test_a_file_that_is_not_there_is_named() -> None:

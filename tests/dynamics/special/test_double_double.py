@@ -71,3 +71,20 @@ def test_reduction_leaves_a_phase_its_digits_after_any_number_of_turns(turns: in
     assert int(count[0]) + int(count[1]) == turns
     assert float(double_double.modulo(count, 4.0)) == turns % 4
     assert float(left[0]) == pytest.approx(0.25, abs=1e-18 + 1e-31 * abs(turns))
+
+
+@settings(deadline=None)
+@given(st.floats(-1e6, 1e6), st.floats(-(2.0**-54), 2.0**-54))
+def test_sine_and_cosine_have_thirty_digits(high: float, low: float) -> None:
+    pair = double_double.two_sum(high, high * low)
+    with mp.workdps(60):
+        angle = mp.mpf(pair[0]) + mp.mpf(pair[1])
+        for found, true in zip(double_double.sine_and_cosine(pair), (mp.sin(angle), mp.cos(angle)), strict=True):
+            assert abs(mp.mpf(found[0]) + mp.mpf(found[1]) - true) <= mp.mpf(2) ** -100 * (abs(true) + abs(angle) / 64)
+    arrays = double_double.sine_and_cosine((np.array([pair[0]]), np.array([pair[1]])))
+    assert [(float(x[0]), float(y[0])) for x, y in arrays] == list(double_double.sine_and_cosine(pair))
+
+
+def test_a_fraction_is_rounded_to_thirty_digits() -> None:
+    third = Fraction(1, 3)
+    assert abs(exact(double_double.of_fraction(third)) - third) < EPSILON * third

@@ -499,6 +499,48 @@ def test_what_is_stated_as_uncertain_of_a_part_is_drawn_with_its_covariance() ->
         ensemble(Scene.from_dict(BALL), {"body.uncertainty": "±1"}, 3)
 
 
+def test_figures_of_the_whole_run_are_quantities_each_of_their_components() -> None:
+    """Two of them, at two instants: not one at each."""
+    body = {"principal_moments": [0.0834, 0.0834, 0.0002], "mass": 1.0, "center_of_mass": [0.0, 0.0, -0.5]}
+    table = {
+        "body": body,
+        "start": {"angular_velocity": [1.0, 0, 0], "frame": "part"},
+        "constraint": {"kind": "hinge", "axis": [1, 0, 0]},
+        "load": [{"kind": "gravity"}],
+        "run": {"duration": 1.0},
+    }
+    names = ["period", "turning angle[0]", "turning angle[1]"]
+    scene = Scene.from_dict(table)
+    for samples in (2, 3):
+        spread = ensemble(scene, {"start.angular_velocity[0]": [1.0, 2.0, 20.0]}, samples=samples, quantities=names)
+        low, high = (spread.quantities[f"turning angle[{k}]"] for k in (0, 1))
+        assert np.array_equal(low, -high, equal_nan=True)
+        assert (high[0] == simulate(scene).quantities["turning angle"][1]).all()
+        assert np.isnan(high[2]).all()  # it goes over the top
+        assert (np.diff(spread.quantities["period"], axis=1) == 0).all()
+
+
+@pytest.mark.parametrize(
+    ("field", "instead"),
+    [
+        ("body.shell", "vary body.density, as mass and tensor are in proportion to either"),
+        ("body.sigma", "vary body.uncertainty"),
+        ("part[0].shell", "vary its mass, center_of_mass, inertia or principal_moments"),
+        ("part[0].density", "vary its mass"),
+    ],
+)
+def test_what_goes_with_a_mesh_and_does_not_vary_is_told_from_what_is_unknown(field: str, instead: str) -> None:
+    part = {"part": str(path("box.stl")), "unit": "mm", "density": 7850.0, "shell": 1.5}
+    still = {"axis": [0, 0, 1], "times": [0.0, 1.0], "angles": [0.0, 0.5]}
+    parts = [part | {"name": "base"}, part | {"name": "lid", "parent": "base", "joint": [still]}]
+    scene = Scene.from_dict(
+        {**BALL, "body": part} if field.startswith("body") else {**BALL, "body": None, "part": parts}
+    )
+    with pytest.raises(FieldError) as caught:
+        ensemble(scene, {field: "1.5±0.1"}, 3)
+    assert f"{field} does not vary, as a part is integrated once: {instead}" in str(caught.value)
+
+
 def test_the_gravity_gradient_pulls_at_the_moments_of_each_draw() -> None:
     primary, spin, drawn = [0.3, 0.7, 0.6], [0.1, 0.5, 0.2], [2.0, 2.2, 2.5]
     scene = Scene.from_dict(

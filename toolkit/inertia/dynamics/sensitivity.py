@@ -124,17 +124,24 @@ def sensitivity(run: Run | Scene) -> Sensitivity:
 def attitude_uncertainty(run: Run) -> float | None:
     """Return how far what is stated as uncertain of a part moves the attitude at the end, one standard deviation, rad.
 
-    The root of the sum of squares of `Sensitivity.standard_uncertainty`; None where nothing is stated, or no derivative
-    can be had within ten seconds.
+    The root of the sum of squares of `Sensitivity.standard_uncertainty`, of parts on joints over all of them; None
+    where nothing is stated, or no derivative can be had within ten seconds.
     """
-    scene = run.scene
-    if scene.body.covariance is None:
-        return None
+    scene, assembly = run.scene, run.scene.body.assembly
+    covariances: dict[int | None, Float | None] = {None: scene.body.covariance}
+    if assembly is not None:
+        covariances = {k: part.covariance for k, part in enumerate(assembly.parts)}
+    slopes: Sensitivity | None = None
+    moved: list[Float] = []
     try:
-        slopes = sensitivity(replace(scene, run=replace(scene.run, time_limit=min(scene.run.time_limit, _PATIENCE))))
+        with limited(min(scene.run.time_limit, _PATIENCE)):
+            for part, covariance in covariances.items():
+                if covariance is not None:
+                    slopes = _Neighbours(scene, part).derivatives(slopes)
+                    moved.append(slopes.standard_uncertainty(covariance))
     except (GeometryError, UsageError):
         return None
-    return float(np.linalg.norm(slopes.standard_uncertainty(scene.body.covariance)))
+    return float(np.linalg.norm(moved)) if moved else None
 
 
 class _Neighbours:

@@ -23,6 +23,7 @@ from inertia.errors import (
     GeometryError,
     Remedy,
     UsageError,
+    Word,
     require_kind,
     reworded,
 )
@@ -232,7 +233,14 @@ def analyse(
 
         require_allowance(allow_faults)
         if shell is not None or wire is not None:
-            raise UsageError("faults are allowed for in the surface of a solid only: leave that out")
+            carrier = Remedy("analyse", "shell") if shell is not None else Remedy("analyse", "wire")
+            raise UsageError(
+                f"faults are allowed for in the surface of a solid only, and a {carrier.argument} is none: leave ",
+                Remedy("analyse", "allow_faults"),
+                " or ",
+                carrier,
+                " out",
+            )
 
     if memory is not None:
         require_memory(memory)
@@ -539,14 +547,18 @@ def _off_by(part: Part, chord: float) -> Part:
 def sound_solids_only(why: str, but: Collection[str] = ()) -> Iterator[None]:
     """Say of the remedies that `analyse` has, and what is done within has not, that they belong there, and why.
 
-    What is done within has the arguments `but` too.
+    What is done within has the arguments `but` too: beside one of these, what belongs to `analyse` is named.
     """
     try:
         yield
     except GeometryError as error:
-        if any(k.verb in ("analyse", "repair", "weld") and k.argument not in but for k in error.remedies):
-            raise reworded(error, (*error.words, " (with ", _ANALYSE, f": {why})"), error.places) from None
-        raise
+        foreign = [k for k in error.remedies if k.verb in ("analyse", "repair", "weld") and k.argument not in but]
+        if not foreign:
+            raise
+        named: tuple[Word, ...] = ()
+        if any(k.argument in but for k in error.remedies):
+            named = (foreign[0], *(word for each in foreign[1:] for word in (" and ", each)), " ")
+        raise reworded(error, (*error.words, " (", *named, "with ", _ANALYSE, f": {why})"), error.places) from None
 
 
 def _part_of(progress: Progress | None, start: float, stop: float) -> Progress | None:

@@ -115,7 +115,7 @@ def principal_of(eigen: Spectrum, tolerance: float = CLASS_TOLERANCE) -> Princip
     # No body has a negative moment: what may be 0 for all that is known is 0, and the bound holds for that too.
     values = [0 if -bound <= value < 0 else value for value, bound in zip(eigen.multiples, bounds, strict=True)]
     share, whole = tolerance.as_integer_ratio()
-    limit = share * values[2] // whole
+    limit = share * max(map(abs, values)) // whole
     low, high = (values[k + 1] - values[k] <= limit + bounds[k + 1] + bounds[k] for k in range(2))
     equal: tuple[tuple[int, ...], ...] = ()
     kind: InertiaClass = "asymmetric"
@@ -125,7 +125,7 @@ def principal_of(eigen: Spectrum, tolerance: float = CLASS_TOLERANCE) -> Princip
         equal, kind = ((0, 1),), "oblate"
     elif high:
         equal, kind = ((1, 2),), "prolate"
-    if kind == "prolate" and values[0] <= limit + bounds[0]:
+    if kind == "prolate" and abs(values[0]) <= limit + bounds[0]:
         kind = "rotor"
     axes = eigen.vectors.copy()
     angles = np.array([min(math.asin(min(_above(*k), 1.0)) + _AXIS_ROUNDING, 0.5 * math.pi) for k in eigen.ratios])

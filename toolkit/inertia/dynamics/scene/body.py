@@ -32,6 +32,7 @@ from inertia.standard_input import called
 if TYPE_CHECKING:
     from inertia.assembly.tree import Node
 
+_CARRIERS = ("shell", "wire")
 _FEW = 10_000
 """Triangles up to which a part is integrated exactly."""
 
@@ -257,9 +258,10 @@ def integrated(source: BodySource, folder: Path, path: str) -> SceneBody:
             if getattr(source, name) is not None:
                 raise FieldError(f"{path}.{name}", "goes with a mesh: the parts of an assembly have their own")
         return of_tree(folder / str(source.part))
+    table = "[body]" if path == "body" else "its [[part]]"
     try:
         part = read(folder / str(source.part), source.unit)
-        with _remedies_in_place("[body]" if path == "body" else "its [[part]]"):
+        with _remedies_in_place(table):
             analysis = analyse(
                 part,
                 source.density,
@@ -272,7 +274,8 @@ def integrated(source: BodySource, folder: Path, path: str) -> SceneBody:
                 accuracy=accuracy_for(part, solid=source.shell is None and source.wire is None),
             )
     except UsageError as error:
-        raise placed(error, FieldPath(path)) from None
+        worded = (_of_table(word, table) for word in Sentence(*error.words).words)
+        raise reworded(error, worded, (FieldPath(path), *error.places)) from None
     return SceneBody.of_analysis(analysis)
 
 
@@ -282,7 +285,7 @@ def _remedies_in_place(table: str) -> Iterator[None]:
     try:
         yield
     except GeometryError as error:
-        words = tuple(_of_table(word, table) for word in Sentence(*error.words).words)
+        words = Sentence(*error.words).words
         field: tuple[Word, ...] = ()
         allow = next((each for each in error.remedies if each.argument == ALLOW_FAULTS.argument), None)
         if allow is not None:
@@ -290,14 +293,16 @@ def _remedies_in_place(table: str) -> Iterator[None]:
             field = (words[k - 1], f"{allow.argument} = {allow.value} in {table}", *words[k + 1 :])
             words = words[: k - 1]
         try:
-            with sound_solids_only("a scene takes sound solids only, and surfaces by their thickness"):
+            with sound_solids_only("a scene takes sound solids only, and surfaces by their thickness", but=_CARRIERS):
                 raise reworded(error, words, error.places)
         except GeometryError as noted:
-            raise reworded(noted, (*noted.words, *field), noted.places) from None
+            worded = (_of_table(word, table) for word in (*noted.words, *field))
+            raise reworded(noted, worded, noted.places) from None
 
 
 def _of_table(word: Word, table: str) -> Word:
     """Return a remedy that a table of a scene has a field of the same name for as that field; all else as it is."""
-    if isinstance(word, Remedy) and word.argument in ("shell", "wire"):
-        return f"{word.argument} = {word.value} in {table}"
+    if isinstance(word, Remedy) and word.argument in (*_CARRIERS, ALLOW_FAULTS.argument):
+        value = "" if word.value is None else f" = {word.value}"
+        return f"{word.argument}{value} in {table}"
     return word

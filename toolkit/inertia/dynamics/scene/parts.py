@@ -67,7 +67,16 @@ def _part(table: object, folder: Path, path: str) -> tuple[JointedPart, Part | N
         body = integrated(source, folder, path)
         assert body.mass is not None  # it was integrated
         bounds = (0.0, 0.0, 0.0) if body.properties is None else body.properties.bounds
-        part = JointedPart(source.name, body.mass, body.inertia, body.center_of_mass, source.parent, joints, bounds)
+        part = JointedPart(
+            source.name,
+            body.mass,
+            body.inertia,
+            body.center_of_mass,
+            source.parent,
+            joints,
+            bounds,
+            body.covariance,
+        )
         return part, body.part, body.notes
     tensor = np.diag(source.principal_moments) if source.inertia is None else source.inertia  # type: ignore[arg-type]
     center = np.zeros(3) if source.center_of_mass is None else source.center_of_mass

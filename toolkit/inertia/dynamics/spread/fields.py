@@ -15,6 +15,7 @@ from inertia.arrays import Float
 from inertia.documents import FieldError
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.deforming.jointed_body import JointedBody
+from inertia.dynamics.models.deforming.joints import JointedPart
 from inertia.dynamics.scene.body import SceneBody, nearest
 from inertia.dynamics.scene.document import Scene
 from inertia.errors import GeometryError
@@ -22,6 +23,9 @@ from inertia.records import dataclass
 
 _BODY = ("mass", "center_of_mass", "inertia", "principal_moments")
 _OF_PART = ("density", "scale")
+_ONCE = ("density", "shell", "wire", "sigma", "scale")
+"""Fields of a mesh, which is integrated once: where they are not among those that vary, another one does instead."""
+
 _LEAST = 1e-12  # of the correlations, below which a direction is taken for one that nothing is uncertain in
 _PART = ("mass", "center_of_mass", "inertia", "principal_moments")
 _PATH = re.compile(r"(?P<section>[a-z_]+(?:\[\d+\])?(?:\.joint\[\d+\])?)\.(?P<name>[a-z_]+)(?P<at>(?:\[\d+\])*)")
@@ -79,6 +83,8 @@ def _stated(scene: Scene, field: _Field, path: str) -> Any:
     else:
         names = tuple(each.name for each in fields(section))
     if field.name not in names:
+        if field.name in _ONCE and (instead := _instead(section, field.name)):
+            raise FieldError(path, f"does not vary, as a part is integrated once: {instead}")
         close = get_close_matches(field.name, names, n=1, cutoff=0.5)
         hint = f"did you mean {close[0]}?" if close else f"use one of {', '.join(names)}"
         raise FieldError(path, f"is unknown: {hint}")
@@ -91,6 +97,17 @@ def _stated(scene: Scene, field: _Field, path: str) -> Any:
     if field.name == "principal_moments":
         return section.moments if isinstance(section, SceneBody) else np.diagonal(section.inertia)
     return getattr(section, field.name)
+
+
+def _instead(section: Any, name: str) -> str:
+    """Return what to vary in place of a field of a mesh; "" where there is no mesh."""
+    if not isinstance(section, SceneBody):
+        return f"vary its {', '.join(_PART[:-1])} or {_PART[-1]}" if isinstance(section, JointedPart) else ""
+    if section.properties is None:
+        return ""
+    if name == "sigma":
+        return "vary body.uncertainty, which draws what noise of that size makes uncertain"
+    return "vary body.density, as mass and tensor are in proportion to either"
 
 
 def _section(scene: Scene, name: str, path: str) -> Any:

@@ -42,14 +42,14 @@ class States:
 
     @classmethod
     def of(cls, run: Run) -> States:
-        """Take those of a run; numbers that hold for all of it are the same at every instant."""
-        count = len(run.time)
+        """Take those of a run; numbers that hold for all of it, one or a row of them, are the same at every instant."""
+        series = run.series
         further = {}
         for name, values in run.quantities.items():
             array = np.asarray(values, dtype=np.float64)
-            if array.ndim == 0:
-                array = np.full(count, array)
-            if len(array) == count and array.ndim <= 2:
+            if name not in series and array.ndim <= 1:
+                array = np.broadcast_to(array, (len(run.time), *array.shape))
+            if array.ndim in (1, 2) and len(array) == len(run.time):
                 further[name] = array
         return cls(run.attitude, run.angular_velocity, run.angular_momentum, run.energy, run.position, further)
 

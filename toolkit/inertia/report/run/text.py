@@ -116,19 +116,19 @@ def _accuracy_lines(run: Run) -> Iterator[str]:
 def _quantity_lines(run: Run) -> Iterator[str]:
     """Yield numbers as they are, and series by where they lie; series of matrices are for the document only."""
     names = {name: np.asarray(values) for name, values in run.quantities.items()}
-    lines = [(name, _extent(values) + _unit(name)) for name, values in names.items() if values.size and values.ndim < 3]
+    lines = [(name, _extent(name, values)) for name, values in names.items() if values.size and values.ndim < 3]
     width = max([LABEL, *(len(name) + 2 for name, _ in lines)])
     for name, extent in lines:
         yield f"{name[:1].upper() + name[1:]:<{width}}{extent}"
 
 
-def _extent(values: Float) -> str:
+def _extent(name: str, values: Float) -> str:
     if values.size == 1:
-        return number(values.item()) if math.isfinite(values.item()) else "none"
+        value = values.item()
+        return number(value) + _unit(name) if math.isfinite(value) else "none" if math.isnan(value) else "infinite"
     bound = _NEGLIGIBLE * float(np.abs(values).max())
-    if values.ndim == 1:
-        return _between(values, bound)
-    return ", ".join(_between(column, bound) for column in values.T)
+    columns = values[None] if values.ndim == 1 else values.T
+    return ", ".join(_between(column, bound) for column in columns) + _unit(name)
 
 
 def _between(values: Float, bound: float) -> str:

@@ -155,6 +155,8 @@ class JointedPart:
     parent : None for the root
     joints : from the parent outwards; a part without joints is fixed to its parent
     bounds : how far mass (kg), centre of mass (m) and tensor (kg m², Frobenius norm) may be from what they are
+    covariance : (11, 11), as `StandardUncertainty.covariance`, independent of that of other parts; None where nothing
+        is stated to be uncertain
 
     Raises `FieldError` where a field is not usable, `GeometryError` where mass or tensor are not physical.
     """
@@ -166,6 +168,7 @@ class JointedPart:
     parent: str | None = None
     joints: tuple[Joint, ...] = ()
     bounds: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    covariance: Float | None = None
 
     def __post_init__(self) -> None:
         path = f'part "{self.name}"'

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 _EPS = 2.0**-52
 _ORDER = 24
 _LEVELS = (1.0, 0.7)  # of the step, in runs that are compared
+_ORDINARY = 30  # as an exponent of 2: rates up to that, in rad/s, are taken in seconds
 _STEP = 1e-19  # that the last terms of the series may amount to
 _STIFF = 1e3  # decay times of the damping in a run, above which it is not stepped by series
 _SMALL = 0.3  # below which a difference is summed as a series
@@ -229,7 +230,8 @@ def _stepped(figures: Figures, time: Float, march: _March) -> _Solution:
 
     What every step is rounded by comes on top, as far as neighbouring motions part.
     """
-    axle = axle_of(figures)
+    unit = _unit_of(figures)
+    axle, time = _scaled(figures, unit), time / unit
     with np.errstate(over="ignore", invalid="ignore"):
         (angle, rate), (other, _) = (march(axle, time, level) for level in _LEVELS)
     off = 2.0 * float(np.abs(angle - other).max())
@@ -237,7 +239,25 @@ def _stepped(figures: Figures, time: Float, march: _March) -> _Solution:
     path = march(axle, instants, _LEVELS[0])[0]
     rounding = 4.0 * _EPS
     off += rounding * _slope(lambda noise: march(axle, instants, _LEVELS[0], noise)[0], path, rounding, _NOISE)
-    return angle, rate, angle, off
+    return angle, rate / unit, angle, off
+
+
+def _unit_of(figures: Figures) -> float:
+    """Return s, a power of two, in which the time is counted: 1 where nothing is much faster or slower than that.
+
+    Powers of a rate up to the order of the series are no float64 where it is beyond all scales in seconds.
+    """
+    inertia = figures["inertia"]
+    rates = [abs(float(figures["spin"])), float(figures["damping"] / inertia)]
+    rates += [math.sqrt(abs(figures[name] / inertia)) for name in ("torque", "stiffness", "cosine", "sine")]
+    _, exponent = math.frexp(max(rates))
+    return 1.0 if abs(exponent) <= _ORDINARY else 2.0**-exponent
+
+
+def _scaled(figures: Figures, unit: float) -> Axle:
+    """Return figures as float64, with the time in a unit, s."""
+    powers = {"inertia": 0, "spin": 1, "damping": 1}
+    return axle_of({name: value * Fraction(unit) ** powers.get(name, 2) for name, value in figures.items()})
 
 
 def _series(axle: Axle, time: Float, level: float, noise: float = 0.0) -> tuple[Float, Float]:
@@ -252,7 +272,9 @@ def _series(axle: Axle, time: Float, level: float, noise: float = 0.0) -> tuple[
         watch.require(at / float(time[-1]))
         terms = _terms(axle, *state)
         if not np.isfinite(terms).all():
-            raise GeometryError(f"the angle leaves float64 after {at:.2g} s: check the units of the scene")
+            raise GeometryError(
+                f"the angle leaves float64 after {at / time[-1]:.2g} of the run: check the units of the scene"
+            )
         last = max(abs(terms[-1]) ** (1.0 / _ORDER), abs(terms[-2]) ** (1.0 / (_ORDER - 1)), 1e-300)
         step = level * _STEP ** (1.0 / _ORDER) * max(1.0, abs(state[0])) ** (1.0 / _ORDER) / last
         following = at + step

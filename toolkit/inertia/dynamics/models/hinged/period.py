@@ -4,8 +4,7 @@ It keeps its energy, so that F = θ̇² is a function of the angle,
 
     F(θ) = ω² + (2/I) (N θ − ½ k θ² + A sin θ + B (1 − cos θ)),
 
-and between two zeros of F it swings. Of a pendulum all is in closed form; with a spring the zeros are found from the
-start on, and T = 2 ∫ dθ/√F over the angle in which the integrand is periodic.
+and between two zeros of F it swings. Of a pendulum all is in closed form; for one with a spring, see `spring`.
 """
 
 from __future__ import annotations
@@ -15,14 +14,10 @@ import math
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.dynamics.models.hinged.angle import Figures, axle_of, top_of
-from inertia.dynamics.models.hinged.axle import Axle
+from inertia.dynamics.models.hinged.angle import Figures, top_of
+from inertia.dynamics.models.hinged.spring import SprungAxle
 from inertia.dynamics.models.rational import root
 from inertia.records import dataclass
-
-_STEPS = 10_000  # towards a turning angle
-_FEWEST, _MOST = 16, 1 << 16  # nodes of the integral
-_SETTLED = 1e-14  # relative, between twice as many nodes and as many
 
 
 @dataclass(frozen=True)
@@ -31,22 +26,34 @@ class Recurrence:
 
     Attributes
     ----------
-    period : s; infinite where it goes to its upper rest and stays there
-    turning : rad from the start, the angles between which it swings; None where it goes round
+    period : s; infinite where it goes to its upper rest and stays there; None where it is not known, with a spring
+        beside the weight: so near an unstable rest does it pass, or over so many
+    turning : rad from the start, the angles between which it swings; None where it goes round, or these are not known
     """
 
-    period: float
+    period: float | None
     turning: tuple[float, float] | None = None
 
     @property
     def quantities(self) -> dict[str, Float]:
         """The figures by the names that a run states them by."""
         turning = {} if self.turning is None else {"turning angle": np.array(self.turning)}
-        return {"period": np.array(self.period), **turning}
+        period = {} if self.period is None else {"period": np.array(self.period)}
+        return period | turning
 
     @property
     def remark(self) -> str:
         """What kind of motion it is, a sentence."""
+        if self.period is None and self.turning is None:
+            return (
+                "It passes so near an unstable rest, or over so many of them, that where it turns back is not known: "
+                "no period is stated."
+            )
+        if self.period is None:
+            return (
+                "It swings to and fro between its turning angles, so near an unstable rest that its period is not "
+                "stated."
+            )
         if self.turning is not None:
             return "It swings to and fro between its turning angles."
         if math.isinf(self.period):
@@ -57,8 +64,7 @@ class Recurrence:
 def recurrence(figures: Figures) -> Recurrence | None:
     """Return how a body on an axle without damping comes back.
 
-    None where it stays at rest, where neither weight nor spring turns it, or, with both, where it passes so near an
-    unstable rest that the integral does not settle.
+    None where it stays at rest, or where neither weight nor spring turns it.
 
     >>> from fractions import Fraction
     >>> wheel = {"inertia": 2, "spin": 3, "torque": 0, "damping": 0, "stiffness": 8, "cosine": 0, "sine": 0}
@@ -68,7 +74,7 @@ def recurrence(figures: Figures) -> Recurrence | None:
     if not (figures["spin"] or figures["torque"] + figures["cosine"]):
         return None
     if figures["stiffness"]:
-        return _with_spring(axle_of(figures))
+        return _with_spring(figures)
     return _pendulum(figures) if figures["cosine"] or figures["sine"] else None
 
 
@@ -76,62 +82,24 @@ def _pendulum(figures: Figures) -> Recurrence:
     from inertia.dynamics.models.heavy.top import HeavyTop
 
     cosine, sine = figures["cosine"], figures["sine"]
-    top = HeavyTop.of_state(*top_of(figures))
+    period = HeavyTop.of_state(*top_of(figures)).nutation_period
     pull = root(cosine * cosine + sine * sine)
-    height = cosine * cosine / (pull + sine) if sine > 0 else pull - sine  # J, up to the upper rest
-    if figures["inertia"] * figures["spin"] ** 2 >= 2 * height:
-        return Recurrence(top.nutation_period)
-    lowest = math.remainder(math.pi - math.atan2(float(cosine), float(sine)), 2.0 * math.pi)
-    reach = math.pi - top.turning_angles[0]
-    return Recurrence(2.0 * top.nutation_period, (lowest - reach, lowest + reach))
+    below = pull - sine if sine < 0 else cosine * cosine / (pull + sine)  # J, of the start under the upper rest
+    above = pull + sine if sine > 0 else cosine * cosine / (pull - sine)  # and over the lowest point
+    energy = figures["inertia"] * figures["spin"] ** 2 / 2
+    if energy >= below:
+        return Recurrence(period)
+    # From half the angle: sin² and cos² of it are as what is above the lowest point to what lacks at the upper rest.
+    reach = 2.0 * math.atan2(1.0, math.sqrt((below - energy) / (above + energy)))
+    lowest = math.atan2(float(cosine), -float(sine))
+    return Recurrence(2.0 * period, (lowest - reach, lowest + reach))
 
 
-def _with_spring(axle: Axle) -> Recurrence | None:
-    low, high = _turning_angle(axle, -1.0), _turning_angle(axle, 1.0)
-    if low is None or high is None or low == high:
-        return None
-    before, nodes = math.inf, _FEWEST
-    while nodes <= _MOST:
-        period = _period(axle, low, high, nodes)
-        if abs(period - before) <= _SETTLED * period:
-            return Recurrence(period, (low, high))
-        before, nodes = period, 2 * nodes
-    return None
-
-
-def _turning_angle(axle: Axle, side: float) -> float | None:
-    """Return the first angle at which F vanishes on one side of the start; None where that takes too many steps.
-
-    |F″| ≤ M = (2/I) (k + the largest pull): a step to where the parabola of curvature −M through F and F′ meets zero
-    passes no zero of F, and converges as Newton's do.
-    """
-    bend = 2.0 / axle.inertia * (axle.stiffness + axle.pull)
-    angle = 0.0
-    for _ in range(_STEPS):
-        value = axle.spin**2 + angle * float(_slope(axle, angle, 0.0))
-        slope = side * float(_slope(axle, angle, angle))
-        if value <= 0 and (slope <= 0 or angle):
-            return angle
-        reach = math.sqrt(slope * slope + 2.0 * bend * value)
-        following = angle + side * ((slope + reach) / bend if slope > 0 else 2.0 * value / (reach - slope))
-        if following == angle:
-            return angle
-        angle = following
-    return None
-
-
-def _slope(axle: Axle, to: Float | float, start: float) -> Float:
-    """Return (F(to) − F(start))/(to − start), which is F′ where they are one: no difference of near numbers."""
-    middle, half = 0.5 * (to + start), 0.5 * (to - start)
-    pull = (axle.cosine * np.cos(middle) + axle.sine * np.sin(middle)) * np.sinc(half / np.pi)
-    return np.asarray(2.0 / axle.inertia * (axle.torque - axle.stiffness * middle + pull))
-
-
-def _period(axle: Axle, low: float, high: float, nodes: int) -> float:
-    """Return 2 ∫ dχ/√G with θ = middle + reach sin χ and G = F/((θ − low)(high − θ)), at midpoints: G is periodic."""
-    chi = np.pi * ((np.arange(nodes) + 0.5) / nodes - 0.5)
-    middle, reach, late = 0.5 * (low + high), 0.5 * (high - low), chi > 0
-    angle = middle + reach * np.sin(chi)
-    far = reach * (1.0 + np.abs(np.sin(chi)))  # from the turning angle that is not the nearer one
-    shape = np.where(late, -_slope(axle, angle, high), _slope(axle, angle, low)) / far
-    return float(2.0 * np.pi / nodes * np.sum(1.0 / np.sqrt(shape))) if (shape > 0).all() else math.nan
+def _with_spring(figures: Figures) -> Recurrence:
+    axle = SprungAxle.of(figures)
+    low, high = (None, None) if axle is None else (axle.turning_angle(side) for side in (-1.0, 1.0))
+    if axle is None or low is None or high is None:
+        return Recurrence(None)
+    period = axle.period(low, high)
+    unit = float(root(figures["inertia"] / figures["stiffness"]))
+    return Recurrence(None if period is None else unit * period, (low[0], high[0]))
