@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -41,15 +42,20 @@ FIELDS = {  # fields of a rotor file, by their path without numbers, and what st
     "tolerance.e_um": "--e-um",
     "body[0].chord_tolerance": "--chord",
     "body[0].density": "--density",
+    "body[0].material": "--material",
     "body[0].mass": "--mass",
     "body[0].sigma": "--sigma",
     "body[0].unit": "--unit",
     "body[0]": "",
+    "plane[0].diameters": "--drill",
+    "plane[0].max_depth": "--max-depth",
+    "plan.time": "--time",
 }
 _SHORT = (
     "unit", "density", "material", "mass", "sigma", "chord", "axis", "through", "bearings", "axis_uncertainty",
     "zero_mark", "rotation", "rpm", "critical_rpm", "grade", "e_um", "planes", "drill", "max_depth",
 )  # fmt: skip
+_FILES = ("csv", "report", "output", "cut_part")
 _PERMISSIBLE = "nothing says what is permissible: give ", Remedy("balance", "grade"), ", or ", Remedy("balance", "e_um")
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -132,6 +138,7 @@ def _add_short_form(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run ``inertia balance``."""
+    require_no_results(options, (*_FILES, "live", "to_toml"))
     if options.schema:
         from inertia.balancing.rotor import json_schema
 
@@ -151,6 +158,14 @@ def run(options: argparse.Namespace) -> int:
         raise with_options(error, FIELDS, part=options.part) from None
 
 
+def require_no_results(options: argparse.Namespace, results: Iterable[str]) -> None:
+    """Refuse to write results where grades or a schema are printed, and nothing else is done."""
+    stops = next((name for name in ("schema", "grades") if getattr(options, name)), None)
+    for name in results if stops else ():
+        if getattr(options, name) not in (None, False):
+            raise UsageError(f"nothing is balanced with --{stops}: leave --{name.replace('_', '-')} out")
+
+
 def show_grades(rpm: float | None = None, *, as_json: bool) -> int:
     """Print the grades, with the specific unbalance that they permit at a speed, where one is given."""
     from inertia.balancing.standards import grades_document
@@ -165,13 +180,14 @@ def show_grades(rpm: float | None = None, *, as_json: bool) -> int:
 
 def _part_alone(options: argparse.Namespace) -> bool:
     """Whether nothing is said of the machine that a part belongs to, and nothing is to be written of it."""
-    machine, files = ("rpm", "grade", "e_um", "axis", "bearings", "through"), ("csv", "report", "output", "cut_part")
-    unsaid = all(getattr(options, name) is None for name in (*machine, *files))
+    machine = "rpm", "grade", "e_um", "axis", "bearings", "through"
+    unsaid = all(getattr(options, name) is None for name in (*machine, *_FILES))
     return unsaid and not (options.live or options.to_toml)
 
 
 def _propose(options: argparse.Namespace) -> int:
     """Say how to go on with a part alone, of which nothing is judged; as a document, only that."""
+    _require_usable(options)
     if options.json:
         from inertia.mesh.read import read
 
@@ -181,6 +197,21 @@ def _propose(options: argparse.Namespace) -> int:
 
     print_text(proposal.proposal(options))
     return proposal.EXIT
+
+
+def _require_usable(options: argparse.Namespace) -> None:
+    """Refuse what was given where no rotor could have it, whatever else will be said of that."""
+    said = vars(options) | {"rpm": 1.0, "grade": 1.0}
+    if options.max_depth is not None and options.drill is None:
+        said["drill"] = [1.0]
+    if said["drill"] is not None and options.planes is None:
+        said["planes"] = [0.5]
+    try:
+        rotor = _rotor_of_part(argparse.Namespace(**said))
+        if options.time is not None:
+            rotor.planned_in(options.time)
+    except UsageError as error:
+        raise with_options(error, FIELDS, part=options.part) from None
 
 
 def _missing(options: argparse.Namespace) -> list[str]:
@@ -316,7 +347,7 @@ def _rotor_of_part(options: argparse.Namespace) -> Rotor:
         "plane": [_without_none(plane) for plane in planes],
     }
     if not table["tolerance"]:
-        raise UsageError(*_PERMISSIBLE)
+        raise UsageError(f"{options.part}: ", *_PERMISSIBLE)
     return Rotor.from_dict(table, name=options.part)
 
 

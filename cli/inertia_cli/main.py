@@ -181,8 +181,10 @@ def main(arguments: Sequence[str]) -> int:
         for argument in arguments[: arguments.index("--")] if "--" in arguments else arguments:
             if re.match(r"-[^-].*\.", argument) and Path(argument).is_file():
                 parser.error(f"argument {argument}: it begins as an option does: write ./{argument} for that file")
-        options, more = parser.parse_known_args(_join_names(_join_negative(arguments, parser)))
+        words = _join_names(_join_negative(arguments, parser))
+        options, more = parser.parse_known_args(words)
         if more:
+            _require_options(words, more, parser)
             parser.error(_too_many(more, options))
     except _Unusable as unusable:
         if "--json" in arguments and sys.stdout is not None:
@@ -231,10 +233,30 @@ def main(arguments: Sequence[str]) -> int:
         interruption.running = False
 
 
+def _require_options(words: list[str], more: list[str], parser: argparse.ArgumentParser) -> None:
+    """Refuse an option that there is none of; which word is its value, and which a file, is not known then."""
+    from inertia.documents import nearest
+
+    files = words[words.index("--") + 1 :] if "--" in words else []
+    option = next((word.partition("=")[0] for word in more if word.startswith("-") and word not in files), None)
+    if option is None:
+        return
+    command = _commands(parser).get(words[0], parser)
+    known = [name.removeprefix("--") for name in command._option_string_actions if name.startswith("--")]
+    meant = nearest(option.lstrip("-"), known)
+    command.error(f"{option} is unknown" + ("" if meant is None else f": did you mean --{meant}?"))
+
+
+def _commands(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
+    """Return the parsers of the commands, by their names."""
+    of_commands = (action for action in parser._actions if isinstance(action, argparse._SubParsersAction))
+    return {name: command for action in of_commands for name, command in action.choices.items()}
+
+
 def _too_many(words: list[str], options: argparse.Namespace) -> str:
     """Say which words of a command line are too many, and that one file is taken."""
     sentence = f"unrecognized arguments: {' '.join(words)}"
-    if isinstance(getattr(options, "part", None), str) and any(not word.startswith("-") for word in words):
+    if isinstance(getattr(options, "part", None), str):
         sentence += f"; one file is taken here, {options.part}"
         if options.run.__module__.rpartition(".")[2] in batch.VERBS:
             sentence += ", and several by `inertia batch`"
@@ -274,11 +296,16 @@ def _refuse(error: InertiaError, options: argparse.Namespace, *, answered: bool 
     """Say what was refused, with ``--json`` as a document too unless there is one, and return the exit code."""
     message = error.sentence.worded(as_option)
     places = _places(error)
-    if not isinstance(error, UsageError | WriteError) and visible(options.part) not in message:
+    if not isinstance(error, UsageError | WriteError) and not _names(message, options.part):
         message, places = f"{options.part}: {message}", [options.part, *places]
     if not answered and getattr(options, "json", False):
         _print_refusal(error, message, places)
     return _say(message, error.exit_code)
+
+
+def _names(message: str, file: str) -> bool:
+    """Whether a message names a file; the - of standard input is in that of any option too."""
+    return re.search(rf"(?<![\w-]){re.escape(visible(file))}(?![\w-])", message) is not None
 
 
 def _places(error: InertiaError) -> list[str]:
@@ -337,10 +364,6 @@ def _join_negative(arguments: Sequence[str], parser: argparse.ArgumentParser) ->
 
 def _valued(parser: argparse.ArgumentParser) -> set[str]:
     """Return the options, of whatever command, that take one value."""
-    names: set[str] = set()
-    for action in parser._actions:
-        if isinstance(action, argparse._SubParsersAction):
-            names = names.union(*map(_valued, action.choices.values()))
-        elif action.nargs in (None, argparse.OPTIONAL):
-            names.update(action.option_strings)
-    return names
+    parsers = parser, *_commands(parser).values()
+    actions = (action for each in parsers for action in each._actions if action.nargs in (None, argparse.OPTIONAL))
+    return {name for action in actions for name in action.option_strings}

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from inertia.errors import UsageError
-from inertia_cli.balance import show_grades, tell_what_is_not_cut
+from inertia_cli.balance import require_no_results, show_grades, tell_what_is_not_cut
 from inertia_cli.printing import print_document, write_and_show
 from inertia_cli.progress import Progress
 
@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from inertia.balancing.measured.measure import Measurement
 
 NAME = "balance measure"
+_FILES = (
+    ("certificate", ".html"), ("log", ".csv"), ("coefficients", ".toml"), ("report", ".html"), ("cut_part", ".stl"),
+)  # fmt: skip
 _CODES = {"pass": 0, None: 0, "fail": 5, "undecided": 4, "conditional": 4}
 
 _EXAMPLES = """examples:
@@ -55,6 +58,7 @@ def add(parsers: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run ``inertia balance measure``."""
+    require_no_results(options, (name for name, _ in _FILES))
     if options.schema:
         from inertia.balancing.measured.job import json_schema
 
@@ -70,9 +74,7 @@ def run(options: argparse.Namespace) -> int:
     from inertia.report.measurement.document import measurement_document
     from inertia.report.measurement.text import measurement_text
 
-    for name, suffix in (
-        ("certificate", ".html"), ("log", ".csv"), ("coefficients", ".toml"), ("report", ".html"), ("cut_part", ".stl"),
-    ):  # fmt: skip
+    for name, suffix in _FILES:
         if getattr(options, name) is not None:
             require_writable(getattr(options, name), suffix, force=options.force)
     job = Job.load(options.part)

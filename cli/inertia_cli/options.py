@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from inertia.mesh.part import Part
 
 T = TypeVar("T")
-_RECORDING = b"RRF"  # how the recordings of Rerun begin, whatever their version
 
 
 def add_input(parser: argparse.ArgumentParser) -> None:
@@ -272,10 +271,7 @@ def names_document(options: argparse.Namespace) -> bool:
 
 def names_recording(name: str) -> bool:
     """Say whether what is named is a recording, by how the name ends; of standard input, the contents decide."""
-    if name != STANDARD_INPUT:
-        return name.lower().endswith(".rrd")
-    with file_of(name).open("rb") as file:
-        return file.read(len(_RECORDING)) == _RECORDING
+    return str(file_of(name) if name == STANDARD_INPUT else name).lower().endswith(".rrd")
 
 
 def require_recordable(options: argparse.Namespace) -> None:

@@ -86,7 +86,7 @@ def run(options: argparse.Namespace) -> int:
         return 0
     properties(recording)
     if options.web:
-        return _serve(recording)
+        return _serve(recording, options.part)
     if not _has_screen():
         raise InertiaError(
             "there is no screen to open the viewer on: play the recording in a browser of this machine by --web, make "
@@ -99,20 +99,21 @@ def _open(recording: Path) -> int:
     """Open the viewer, and wait until it is closed."""
     import subprocess
 
-    from inertia.recording.viewer import program
+    from inertia.recording.viewer import program, require_name
 
+    require_name(recording)
     code = subprocess.run([str(program()), str(recording), "--bind", "127.0.0.1"], check=False).returncode
     if code:
         raise InertiaError(f"Rerun's viewer ended with code {code}: see what it printed above, or try --web")
     return 0
 
 
-def _serve(recording: Path) -> int:
-    """Answer browsers of this machine until a signal ends it."""
+def _serve(recording: Path, name: str) -> int:
+    """Answer browsers of this machine until a signal ends it; the name is the one that was given."""
     from inertia.recording.web import served
 
     with served(recording) as (address, server):
-        print(f"{address} plays {visible(recording.name)} until Ctrl-C ends it", flush=True)
+        print(f"{address} plays {visible(Path(name).name)} until Ctrl-C ends it", flush=True)
         if _has_screen():
             import webbrowser
 

@@ -404,7 +404,41 @@ def test_a_part_alone_of_which_a_file_is_to_be_written_is_refused(
     capsys: pytest.CaptureFixture[str], option: str, as_json: list[str]
 ) -> None:
     code, _, err = run(capsys, MESH, option, *as_json)
-    assert (code, err) == (2, "inertia: nothing says what is permissible: give --grade, or --e-um\n")
+    assert (code, err) == (2, f"inertia: {MESH}: nothing says what is permissible: give --grade, or --e-um\n")
+
+
+@pytest.mark.parametrize("as_json", [[], ["--json"]])
+@pytest.mark.parametrize(
+    ("option", "value", "says"),
+    [
+        ("--material", "unobtainium", "--material is an unknown material 'unobtainium'"),
+        ("--density", "-3", "--density is -3.0: it must be positive"),
+        ("--mass", "0", "--mass is 0.0: it must be positive"),
+        ("--drill", "8,0", "--drill[1] is 0.0: it must be positive"),
+        ("--max-depth", "-1", "--max-depth is -1.0: it must be positive"),
+        ("--time", "-1", "--time is -1.0: it must be positive"),
+        ("--sigma", "-1", "--sigma is -1.0: it must be positive"),
+        ("--chord", "-1", "--chord is -1.0: it must not be negative"),
+        ("--critical-rpm", "0", "--critical-rpm is 0.0: it must be positive"),
+        ("--axis-uncertainty", "-1", "--axis-uncertainty is -1.0: it must not be negative"),
+    ],
+)
+def test_what_no_rotor_could_have_is_not_proposed(
+    capsys: pytest.CaptureFixture[str], option: str, value: str, says: str, as_json: list[str]
+) -> None:
+    code, _, err = run(capsys, MESH, option, value, *as_json)
+    assert code == 2
+    assert err.startswith(f"inertia: {says}")
+
+
+@pytest.mark.parametrize("stops", ["grades", "schema"])
+@pytest.mark.parametrize("option", ["--report=a.html", "-oa.rrd", "--cut-part=a.stl", "--live", "--to-toml"])
+def test_results_are_not_written_where_only_something_is_printed(
+    capsys: pytest.CaptureFixture[str], stops: str, option: str
+) -> None:
+    code, out, err = run(capsys, f"--{stops}", option)
+    assert (code, out) == (2, "")
+    assert f"nothing is balanced with --{stops}: leave --" in err
 
 
 def test_the_axis_of_a_part_alone_is_that_of_its_cylinders(capsys: pytest.CaptureFixture[str]) -> None:

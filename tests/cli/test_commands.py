@@ -74,11 +74,26 @@ def test_an_option_of_one_value_is_given_once(arguments: list[str], capsys: pyte
     assert "it is given twice: give it once" in capsys.readouterr().err
 
 
-def test_an_option_is_written_in_full(capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["analyse", "cube.stl", "--js"], "inertia analyse: --js is unknown: did you mean --json?; see `inertia ana"),
+        (["analyse", "--den", "7850", "cube.stl"], "analyse: --den is unknown: did you mean --density?; see"),
+        (["analyse", "cube.stl", "--den=7850"], "analyse: --den is unknown: did you mean --density?; see"),
+        (["balance", "measure", "--certifcate", "a.html"], "balance measure: --certifcate is unknown: did you mean"),
+        (["audit", "--frob", "0.1", "gone.urdf"], "inertia audit: --frob is unknown; see `inertia audit --help`"),
+        (["--frob", "cite"], "inertia: --frob is unknown; see `inertia --help`"),
+        (["check", "a.stl", "--", "-b.stl"], "inertia: unrecognized arguments: -b.stl; one file is taken here, a.stl"),
+    ],
+)
+def test_of_an_option_that_is_none_only_that_is_said(
+    arguments: list[str], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     with pytest.raises(SystemExit) as refused:
-        main(["analyse", str(path("cube.stl")), "--js"])
+        main(arguments)
     assert refused.value.code == 2
-    assert "unrecognized arguments: --js" in capsys.readouterr().err
+    assert says in (error := capsys.readouterr().err)
+    assert error.count("inertia batch") == ("-b.stl" in arguments)
 
 
 @pytest.mark.parametrize(

@@ -37,6 +37,12 @@ def test_the_grades_are_printed_as_by_balance(capsys: pytest.CaptureFixture[str]
     assert json.loads(run(capsys, "--grades", "--json")[1])["schema"] == "inertia/grades/1"
 
 
+def test_grades_and_schema_leave_no_room_for_a_certificate(capsys: pytest.CaptureFixture[str]) -> None:
+    for stops in ("--grades", "--schema"):
+        code, out, err = run(capsys, stops, "--certificate", "a.html")
+        assert (code, out, err) == (2, "", f"inertia: nothing is balanced with {stops}: leave --certificate out\n")
+
+
 def test_the_verdict_stands_first(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, err = run(capsys, FAN)
     assert (code, err) == (0, "")

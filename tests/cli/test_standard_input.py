@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.recording.screenshot import has_driver
 
 from inertia_cli.main import main
 from inertia_meshes import path
@@ -76,6 +77,32 @@ def test_a_recording_of_what_came_in(tmp_path: Path) -> None:
     assert [file.name for file in tmp_path.iterdir()] == ["run.rrd"]
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+def test_what_is_played_is_called_as_it_was_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    (tmp_path / "s.toml").write_text(_SCENE)
+    assert run("simulate", "s.toml", "-o", "run.rrd", folder=tmp_path).returncode == 0
+    with (tmp_path / "run.rrd").open("rb") as data:
+        server = subprocess.Popen([*_RUN, "play", "-", "--web"], stdin=data, stdout=subprocess.PIPE)
+    with server:
+        assert server.stdout is not None
+        line = server.stdout.readline()
+        server.terminate()
+    assert line.endswith(b" plays - until Ctrl-C ends it\n")
+
+
+@pytest.mark.skipif(not has_driver(), reason="no Vulkan driver is installed")
+def test_a_picture_of_what_came_in(tmp_path: Path) -> None:
+    (tmp_path / "s.toml").write_text(_SCENE)
+    assert run("simulate", "s.toml", "-o", "run.rrd", folder=tmp_path).returncode == 0
+    data = (tmp_path / "run.rrd").read_bytes()
+    arguments = ("--png", "run.png", "--size", "320x240")
+    result = subprocess.run([*_RUN, "play", "-", *arguments], input=data, stderr=-1, cwd=tmp_path, timeout=120)
+    assert (result.returncode, result.stderr) == (0, b"")
+    assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
+
+
 @pytest.mark.parametrize(
     ("arguments", "data", "code", "says"),
     [
@@ -132,6 +159,10 @@ def test_a_robot_is_told_by_its_contents(tmp_path: Path, capsys: pytest.CaptureF
     "data",
     [
         b"name,mass,ixx,iyy,izz,ixy,ixz,iyz,mesh,unit\ncube,1,1,1,1,0,0,0,cube.stl,mm\n",
+        b"\xef\xbb\xbfName;Mass;Ixx;Iyy;Izz;Ixy;Ixz;Iyz;Mesh;Unit\r\ncube;1;1;1;1;0;0;0;cube.stl;mm\r\n",
+        b"# parts\n\nmass\tixx\tiyy\tizz\tixy\tixz\tiyz\tNAME\n1\t1\t1\t1\t0\t0\t0\tcube\n",
+        b"sep=,\n,name,mass,ixx,iyy,izz,ixy,ixz,iyz\n0,cube,1,1,1,1,0,0,0\n",
+        b"part = [{name = 'cube', mass = 1, inertia = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}]\n",
         b'# parts\n[[part]]\nname = "cube"\nmass = 1\ninertia = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\nmesh = "cube.stl"\n',
     ],
 )
@@ -170,3 +201,9 @@ def test_a_file_that_is_called_as_standard_input_is(tmp_path: Path) -> None:
 def test_what_came_in_is_no_file_that_an_assembly_could_name(tmp_path: Path) -> None:
     result = run("assembly", "-", "--to-toml", data=_OBJ, folder=tmp_path)
     assert (result.returncode, b"standard input has no name" in result.stderr) == (2, True)
+
+
+def test_what_cannot_be_judged_is_called_as_it_was_named() -> None:
+    result = run("balance", "-", "--json", data=path("two_disc_rotor.stl").read_bytes())
+    assert result.returncode == 4
+    assert result.stderr.startswith(b"inertia: -: nothing says what is permissible")

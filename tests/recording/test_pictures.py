@@ -1,5 +1,6 @@
 """Pictures of recordings, still and moving: drawn without a screen, or a sentence that says what is missing."""
 
+import shutil
 import struct
 from itertools import pairwise
 from pathlib import Path
@@ -92,4 +93,8 @@ def test_what_cannot_be_drawn_is_said_before(recording: Path, tmp_path: Path) ->
         inertia.export_picture(recording, tmp_path / "run.jpg")
     with pytest.raises(ReadError, match="no Rerun recording"):
         inertia.export_picture(path("t_handle.stl"), tmp_path / "run.png")
+    other = recording.with_suffix(".bin")
+    shutil.copy(recording, other)
+    with pytest.raises(ReadError, match=r"run\.bin: Rerun's viewer opens .*: call it run\.rrd"):
+        inertia.export_picture(other, tmp_path / "run.png")
     assert list(tmp_path.iterdir()) == []

@@ -255,6 +255,21 @@ def test_a_rotor_is_balanced_again_from_its_recording_alone(name: str, shop: Pat
     assert no_text_has(str(shop), tmp_path / "rotor.rrd")
 
 
+def test_parts_are_called_by_the_folders_that_the_rotor_file_names(tmp_path: Path) -> None:
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "sub/scenes/deep").mkdir(parents=True)
+    shutil.copy(path("two_disc_rotor.stl"), tmp_path / "parts")
+    corners = "v 500 0 0\nv 510 0 0\nv 500 10 0\nv 500 0 10\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+    (tmp_path / "sub/scenes/deep/lug.obj").write_text(corners)
+    text = path("rotors/two_disc_rotor.toml").read_text(encoding="utf-8")
+    text = text.replace("../two_disc_rotor.stl", "../../parts/two_disc_rotor.stl")
+    (tmp_path / "sub/scenes/two.toml").write_text(f"{text}\n[[body]]\nfile = 'deep/lug.obj'\ndensity = 1\n")
+    record(inertia.balance(inertia.Rotor.load(tmp_path / "sub/scenes/two.toml")), tmp_path / "two.rrd")
+    shutil.rmtree(tmp_path / "parts")
+    names = [body.whole.source.path for body in inertia.balance(rotor_of(tmp_path / "two.rrd")).bodies]
+    assert names == [f"{tmp_path}/two.rrd/{name}" for name in ("parts/two_disc_rotor.stl", "deep/lug.obj")]
+
+
 def test_a_part_too_large_to_go_along_has_to_be_the_same(
     shop: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

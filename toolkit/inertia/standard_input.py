@@ -33,6 +33,7 @@ _REASONS = {
         FULL, "there is no room for temporary files: make room in their folder, or set TMPDIR to one on another disk"
     ),
 }
+_RECORDING = b"RRF"  # how recordings of Rerun begin, whatever their version
 NO_FILE = _REASONS[errno.ENOENT]
 
 
@@ -51,7 +52,7 @@ _folders: dict[str, str] = {}
 
 
 def call_folder(folder: Path, name: str) -> None:
-    """Let what lies in a temporary folder be called after the file that it came out of."""
+    """Let what lies in a temporary folder be called after the file it came out of; in one within it, say so first."""
     _folders[str(folder)] = name
 
 
@@ -106,6 +107,10 @@ def _spooled() -> Path:
         atexit.register(stack.close)
         with path.open("wb") as file:
             shutil.copyfileobj(sys.stdin.buffer, file, 2**20)
+        with path.open("rb") as file:
+            recorded = file.read(len(_RECORDING)) == _RECORDING
+        if recorded:  # Rerun tells what it opens by the name alone
+            path = path.rename(path.with_suffix(".rrd"))
     except OSError as error:
         where = "" if error.filename is None else f" ({error.filename})"
         raise ReadError(

@@ -26,6 +26,7 @@ from inertia.standard_input import reason_of
 SUFFIXES = (".parquet", ".csv", ".jsonl")
 _HALVES = re.compile("[\ud800-\udfff]")  # of pairs, as Python has bytes of names that are no UTF-8
 _COMMENT = re.compile(r'\s*"?#')  # a line that begins so
+_PARTING = re.compile(r'\s*"?sep=."?\s*$', re.IGNORECASE)  # a line for spreadsheets, which says what parts cells
 _ROWS = 65_536  # in a group of Parquet's
 _ARROW = {"text": "string", "integer": "int64", "number": "float64", "truth": "bool_"}
 
@@ -89,7 +90,9 @@ def headed(text: str, *, key: str | None = None) -> Headed:
     r"""Return what stands in a table in CSV, whose first line names the columns.
 
     Commas, semicolons or tabs part the cells, whichever stands most often in the line of the columns; empty lines are
-    passed over, and before that line those that begin with #. Names of columns are in lower case, with _ for spaces.
+    passed over, and before that line those that begin with # and ``sep=;``. Names of columns are in lower case, with _
+    for spaces; those of remarks, which begin with #, may be the same. A first column without a name may count the rows
+    from 0, as the index of a data frame does, and is passed over.
 
     Parameters
     ----------
@@ -108,12 +111,13 @@ def headed(text: str, *, key: str | None = None) -> Headed:
     delimiter = max(",;\t", key="".join(lines[start : start + 1]).count)
     rows = _rows_of(kept, delimiter)
     columns = [name.lower().replace(" ", "_") for name in next(rows, (0, []))[1]]
-    if twice := next((name for name in columns if name and columns.count(name) > 1), None):
+    if twice := next((name for name in columns if name and name[0] != "#" and columns.count(name) > 1), None):
         raise ReadError(f"its first line names the column `{twice}` twice: leave one out", code="table")
     while columns and not columns[-1]:
         columns.pop()
     named = [name for name in columns if name]
-    return Headed(named, delimiter, ((line, _by_column(line, cells, columns)) for line, cells in rows))
+    by_column = ((line, _by_column(line, cells, columns, k)) for k, (line, cells) in enumerate(rows))
+    return Headed(named, delimiter, by_column)
 
 
 def has_column(text: str, key: str) -> bool:
@@ -128,9 +132,11 @@ def _lines(text: str) -> list[str]:
 
 
 def _first(lines: Sequence[str], key: str | None) -> int:
-    """Return which line names the columns: the first that is neither empty nor a comment."""
+    """Return which line names the columns: the first that is neither empty nor said for readers or spreadsheets."""
 
     def comment(line: str) -> bool:
+        if _PARTING.match(line):
+            return True
         return bool(_COMMENT.match(line)) and not (_cells(line)[0] == "#" and key in _cells(line))
 
     return next((k for k, line in enumerate(lines) if line.strip() and not comment(line)), 0)
@@ -153,13 +159,26 @@ def _rows_of(lines: Iterable[str], delimiter: str) -> Iterator[tuple[int, list[s
         raise ReadError(f"it is not CSV: {error}", code="table") from None
 
 
-def _by_column(line: int, cells: Sequence[str], columns: Sequence[str]) -> dict[str, str]:
-    """Return cells by the names of their columns; those that have none are empty, as after a separator at the end."""
+def _by_column(line: int, cells: Sequence[str], columns: Sequence[str], count: int) -> dict[str, str]:
+    """Return cells by the names of their columns.
+
+    Those that have none are empty, as after a separator at the end, or `count` the rows in the first column.
+    """
     if any(cells[len(columns) :]):
-        raise ReadError(f"line {line} has {len(cells)} cells, and the first line {len(columns)} names", code="table")
+        raise ReadError(
+            f"line {line} has {len(cells)} cells, and the first line {len(columns)} names: name each column, write "
+            "numbers with a decimal point, and put text that holds the separator in quotes",
+            code="table",
+        )
     pairs = list(zip(columns, cells, strict=False))
+    if pairs[:1] == [("", f"{count}")]:
+        del pairs[0]
     if stray := next((cell for name, cell in pairs if cell and not name), None):
-        raise ReadError(f"line {line} has {stray!r} in a column that the first line does not name", code="table")
+        raise ReadError(
+            f"line {line} has {stray!r} in a column that the first line does not name: name that column, or leave it "
+            "out",
+            code="table",
+        )
     return {name: cell for name, cell in pairs if name}
 
 

@@ -375,6 +375,19 @@ def test_a_dask_cluster_gives_the_same_draws() -> None:
         assert rows.tolist() == there.quantities[name].tolist()
 
 
+def test_a_scheduler_is_given_as_everywhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    distributed = pytest.importorskip("distributed")
+    scene, vary = Scene.from_dict(TOP), {"body.mass": "±1%"}
+    local = ensemble(scene, vary, 20, samples=3, dask="local", jobs=2)
+    here = ensemble(scene, vary, 20, samples=3, jobs=1)
+    assert all(rows.tolist() == local.quantities[name].tolist() for name, rows in here.quantities.items())
+    monkeypatch.setattr(distributed.Client, "start", lambda *_, **__: pytest.fail("a scheduler is looked for"))
+    with pytest.raises(UsageError, match=r"^foo:bar is no address of a Dask scheduler .*: give one as tcp://"):
+        ensemble(scene, vary, 20, samples=3, dask="foo:bar")
+    with pytest.raises(UsageError, match=r"says nothing of the workers of the scheduler tcp://h:1: leave it out"):
+        ensemble(scene, vary, 20, samples=3, dask="tcp://h:1", jobs=2)
+
+
 def test_a_worker_that_is_ended_is_an_error_that_says_so() -> None:
     scene = Scene.from_dict(TOP | {"load": [], "constraint": {"kind": "free"}, "run": {"duration": 0.01}})
     ends = Torque(

@@ -74,7 +74,16 @@ def test_what_is_written_is_read_to_the_bit(tmp_path: Path) -> None:
         ("a.csv", CSV.replace(" mesh", " msh"), "msh is unknown: did you mean mesh?"),
         ("a.csv", CSV.replace(" products", " prodcts"), "prodcts is unknown: did you mean products?"),
         ("a.csv", CSV.replace(" com_x", " comx"), "comx is unknown: did you mean com_x?"),
-        ("a.csv", CSV.replace(" unit", ""), "line 2 has 'mm' in a column that the first line does not name"),
+        (
+            "a.csv",
+            CSV.replace(" unit", ""),
+            "line 2 has 'mm' in a column that the first line does not name: name that column, or leave it out",
+        ),
+        (
+            "a.csv",
+            f",{CSV}".replace("\narm", "\n7,arm"),
+            "line 2 has '7' in a column that the first line does not name",
+        ),
         ("a.csv", CSV.replace("1.25", "1_25"), "line 2.mass is '1_25': it must be a number"),
         ("a.csv", CSV.partition("\n")[0] + "\n", "it holds no part: give each a row"),
         ("a.csv", CSV.replace("1.25", "x"), "line 2.mass is 'x': it must be a number"),
@@ -106,6 +115,37 @@ def test_faults(tmp_path: Path, name: str, content: str, says: str) -> None:
     assert says in str(fault.value)
 
 
+def test_columns_of_remarks_may_be_called_the_same_and_an_index_has_no_name(tmp_path: Path) -> None:
+    file = tmp_path / "parts.csv"
+    lines = CSV.splitlines()
+    file.write_text(f",{lines[0]},#,#\n0,{lines[1]},a,b\n1,{lines[2]}\n")  # as `DataFrame.to_csv` writes it
+    assert [link.name for link in read_robot(file).links] == ["arm", "hand, left"]
+
+
+@pytest.mark.parametrize(
+    ("content", "code"),
+    [
+        ("name,mass\na,1\n", 2),
+        (CSV.replace(" unit", " units"), 2),
+        ("part = [{name='a'}]", 2),
+        (CSV.replace("\n", ",Mass\n", 1), 3),
+        ("part = [{name='a', name='b'}]", 3),
+    ],
+)
+def test_a_field_that_is_not_usable_has_the_code_of_fields(tmp_path: Path, content: str, code: int) -> None:
+    file = tmp_path / ("a.toml" if content.startswith("part") else "a.csv")
+    file.write_text(content)
+    with pytest.raises(inertia.InertiaError) as fault:
+        read_robot(file)
+    assert fault.value.exit_code == code
+
+
+def test_a_line_that_tells_spreadsheets_the_separator_is_passed_over(tmp_path: Path) -> None:
+    file = tmp_path / "parts.csv"
+    file.write_text("sep=;\nname;mass;ixx;iyy;izz;ixy;ixz;iyz\narm;1.5;1;2;2.5;0;0;0\n")
+    assert [link.name for link in read_robot(file).links] == ["arm"]
+
+
 def test_text_of_another_encoding_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "a.csv"
     file.write_bytes("näme".encode("latin-1"))
@@ -125,5 +165,5 @@ def test_other_separators_and_capitals(tmp_path: Path, delimiter: str) -> None:
 def test_cells_without_a_name_are_refused(tmp_path: Path) -> None:
     file = tmp_path / "parts.csv"
     file.write_text("name,mass,ixx,iyy,izz,ixy,ixz,iyz\narm,1,5,1,2,2,0,0,0\n")  # 1,5 is one and a half
-    with pytest.raises(inertia.ReadError, match="line 2 has 9 cells, and the first line 8 names"):
+    with pytest.raises(inertia.ReadError, match=r"line 2 has 9 cells, and the first line 8 names: .* decimal point"):
         read_robot(file)

@@ -63,7 +63,7 @@ def export_picture(
     Raises
     ------
     UsageError : a path, an instant, a view, a size or a rate that is not usable, or a file that is there
-    ReadError : the recording is not one, or not whole
+    ReadError : the recording is not one, not whole, or its name ends in something else
     InertiaError : there is no Vulkan driver, or the place cannot be written to
     """
     target = require_writable(path, ".png", ".gif", force=force)
@@ -72,6 +72,7 @@ def export_picture(
     if not (frames >= 1 and 0 < fps <= _TICK / 2):
         raise UsageError(f"{frames} frames at {fps:.6g} a second: give 1 or more, and up to {_TICK // 2} a second")
     properties(recording)
+    viewer.require_name(Path(recording))
     moving = target.suffix.lower() == ".gif"
     count, step = (frames, playback_speed(recording) / fps) if moving else (1, 0.0)
     drawn = size if view is None else (size[0] + _FRAME[0], size[1] + _FRAME[1])

@@ -180,9 +180,11 @@ def _folder_of(name: str) -> Path:
 def _opened(name: str, files: dict[str, str]) -> Path:
     """Write the files of a recording to a folder that lasts as long as the program, and return it."""
     root = tempfile.TemporaryDirectory(prefix="inertia-")
-    call_folder(Path(root.name).resolve(), name)
     names = [files[f"path_{k}"] for k in range(1, len(files) // 2 + 1)]
     folder = Path(root.name).resolve().joinpath(*"d" * max(PurePosixPath(each).parts.count("..") for each in names))
+    for above in (folder, *folder.parents):  # the innermost first: its files are called without those around it
+        if above.is_relative_to(Path(root.name).resolve()):
+            call_folder(above, name)
     for k, each in enumerate(names, 1):
         path = Path(os.path.normpath(folder / each))
         if not path.is_relative_to(Path(root.name).resolve()):

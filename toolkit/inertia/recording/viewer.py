@@ -13,7 +13,7 @@ from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 
-from inertia.errors import InertiaError
+from inertia.errors import InertiaError, ReadError
 
 _NOWHERE = "http://127.0.0.1:9"
 """What is given as proxy to a viewer that would look for a newer release."""
@@ -38,6 +38,15 @@ def program() -> Path:
             code="needs_package",
         )
     return file
+
+
+def require_name(recording: Path) -> None:
+    """Raise `ReadError` where the name of a recording is not one by which the viewer knows it for one."""
+    if recording.suffix.lower() != ".rrd":
+        raise ReadError(
+            f"cannot read {recording}: Rerun's viewer opens recordings by names in .rrd: call it "
+            f"{recording.with_suffix('.rrd').name}"
+        )
 
 
 @contextmanager

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from inertia.arrays import Float, Progress
 from inertia.dynamics.spread.follow import Block, Task, follow
 from inertia.errors import GeometryError, Remedy, UsageError, visible
+from inertia.scheduler import connected
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -25,8 +26,6 @@ _SPAN = 0.5  # s that a block should take, so that progress is told and Ctrl-C i
 
 _AHEAD, _FIRST = 16, 256  # blocks that a cluster has at least, and draws in the first of them
 
-_PATIENCE = "10 s"  # for a scheduler to answer
-
 _task: Task | None = None  # of a worker
 
 
@@ -38,7 +37,7 @@ def blocks_of(
     if jobs is not None and jobs < 1:
         raise UsageError(f"the number of processes is {jobs}: give 1 or more")
     if dask is not None:
-        yield from _by_dask(task, values, dask, tell)
+        yield from _by_dask(task, values, dask, jobs, tell)
         return
     done, size = 0, min(8, len(values))
     processes = jobs or os.cpu_count() or 1
@@ -120,16 +119,11 @@ def _follow(values: Float) -> tuple[Block, float]:
     return _timed(_task, values)
 
 
-def _by_dask(task: Task, values: Float, address: str, tell: Progress) -> Iterator[Block]:
-    try:
-        import distributed
-    except ImportError:
-        raise UsageError("Dask is not installed: run pip install 'inertia[dask]'", code="needs_package") from None
-    try:
-        session = distributed.Client(address, timeout=_PATIENCE, set_as_default=False)
-    except (OSError, ValueError) as error:
-        raise UsageError(f"no Dask scheduler answers at {visible(address)}: {error}") from None
-    with session as client:
+def _by_dask(task: Task, values: Float, address: str, jobs: int | None, tell: Progress) -> Iterator[Block]:
+    if jobs is not None and address != "local":
+        says = f" says nothing of the workers of the scheduler {visible(address)}: leave it out"
+        raise UsageError(Remedy("ensemble", "jobs"), says)
+    with connected(address, jobs or os.cpu_count() or 1) as client:
         shared = client.scatter(task, broadcast=True)
         ahead = max(_AHEAD, 2 * sum(client.nthreads().values()))
         yield from _in_order(

@@ -20,6 +20,7 @@ from inertia.exchange.robots.usd import read_usd
 from inertia.mesh.readers.contents import plural, shown, was
 from inertia.standard_input import NAME as STANDARD_INPUT
 from inertia.standard_input import file_of, path_of, reason_of
+from inertia.tables import has_column
 
 READERS: dict[str, tuple[set[str], Callable[[Path], Robot]]] = {
     "urdf": ({"<robot"}, read_urdf),
@@ -108,6 +109,7 @@ def _suffix(beginning: bytes) -> str:
     if beginning.startswith(b"PK\x03\x04"):  # of a package of USD, the first file is its stage
         named = beginning[30 : 30 + int.from_bytes(beginning[26:28], "little")]
         return ".usdz" if named.lower().endswith((b".usd", b".usda", b".usdc")) else ""
-    if re.search(rb"(?m)^\s*\[\[part\]\]", beginning):
+    text = beginning.removeprefix(BOM_UTF8).decode(errors="replace")
+    if re.search(r"(?m)^\s*(\[\[\s*part\s*\]\]|part\s*=)", text):
         return ".toml"
-    return ".csv" if re.match(rb"[^<\n]*\bname\b[^<\n]*,", beginning) else ""
+    return ".csv" if has_column(text, "name") else ""

@@ -96,7 +96,7 @@ def read_csv(path: Path) -> Robot:
     """Read a list of parts from a CSV file; raise `ReadError` or `UsageError` where it is none."""
     table = headed(_text(path), key="name")
     if missing := [name for name in _NEEDED if name not in table.columns]:
-        raise ReadError(f"its first line names no column {missing[0]}: it is no list of parts", code="table")
+        raise FieldError(missing[0], f"is missing: its first line names no column {missing[0]}")
     known = (*_NEEDED, *_CENTER, *_OPTIONAL, *_EXPORTED)
     require_known(dict.fromkeys(name for name in table.columns if not name.startswith("#")), known, "")
     return _robot(path, "csv", (_row(row, f"line {line}") for line, row in table.rows))
