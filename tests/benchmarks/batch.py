@@ -223,7 +223,8 @@ def memory(arguments: list[str]) -> dict[str, Any]:
     while run.poll() is None:
         samples.append((rss(run.pid), max(map(rss, children(run.pid)), default=0.0)))
         time.sleep(0.25)
-    early, late = samples[len(samples) // 5], samples[-2]
+    at_work = [sample for sample in samples if sample[1]]
+    early, late = at_work[len(at_work) // 5], at_work[-1]
     return {"command_mib": [round(early[0]), round(late[0])], "worker_mib": [round(early[1]), round(late[1])]}
 
 
