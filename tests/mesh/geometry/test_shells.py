@@ -14,6 +14,7 @@ from tests.mesh.solids import Mesh, box, cube, facets, inside_out, joined, ring,
 from inertia import native
 from inertia.mesh.geometry import shells as module
 from inertia.mesh.geometry.closure import closure
+from inertia.mesh.geometry.enclosed import FEW, NOISE, RUN, STORED, measured
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, bodies, members, shells
 from inertia.mesh.geometry.sound_shells import sound_bodies
 from inertia.mesh.geometry.winding import windings, windings_under
@@ -103,6 +104,42 @@ def test_a_shell_is_measured() -> None:
     assert second.signed_volume == pytest.approx(float(exact_volume(joined(inside_out(sphere((1, 2, 3), 2))))))
     assert first.box.tolist() == [[6.5, -0.5, -0.5], [7.5, 0.5, 0.5]]
     assert second.box.tolist() == [[-1, 0, 1], [3, 4, 5]]
+
+
+@pytest.mark.parametrize("stored", [False, True])
+@pytest.mark.parametrize("few", [False, True])
+@pytest.mark.parametrize("size", [1, 4, 7, 8, 9, 63, 64, 65, 200, 1_000])
+def test_pieces_of_any_length_are_measured_wherever_their_triangles_lie(size: int, few: bool, stored: bool) -> None:
+    rng = np.random.default_rng(size)
+    count = 5_003
+    corners = (rng.standard_normal(3) + rng.standard_normal((count, 3, 3)) / 8).astype(np.float32).astype(float)
+    labels = (np.arange(count) // size % 5 - 1).astype(np.int32)
+    soup = Surface(corners.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3))
+    pieces = measured(facets(soup) if stored else soup, labels, 4, few=few)
+    for piece, (*extent, volume, squares, x, y, z, number) in enumerate(pieces.table.tolist()):
+        own = corners[labels == piece]
+        assert (number, extent) == (len(own), [*own.min(axis=(0, 1)), *own.max(axis=(0, 1))])
+        origin = [Fraction(value) for value in (x, y, z)]
+        exact = sum(determinant(triangle, origin) for triangle in own.tolist())
+        assert abs(float(Fraction(volume) - exact)) <= (NOISE + number * STORED) * math.sqrt(number * squares)
+    starts = np.arange(0, count, RUN)
+    alone = np.minimum.reduceat(labels, starts) == np.maximum.reduceat(labels, starts)
+    assert pieces.shell.tolist() == np.where(alone, labels[starts], -2).tolist()
+    within = np.flatnonzero(alone & (labels[starts] >= 0))
+    low, high = np.minimum.reduceat(corners.min(axis=1), starts), np.maximum.reduceat(corners.max(axis=1), starts)
+    assert (pieces.boxes[within] == np.hstack([low, high])[within]).all()
+    if few:
+        starts = np.arange(0, count, FEW)
+        low, high = np.minimum.reduceat(corners.min(axis=1), starts), np.maximum.reduceat(corners.max(axis=1), starts)
+        assert (pieces.few[:, :3] <= low).all()
+        assert (pieces.few[:, 3:] >= high).all()
+        assert np.allclose(pieces.few, np.hstack([low, high]), rtol=2.0**-22, atol=0)
+
+
+def determinant(triangle: list[list[float]], origin: list[Fraction]) -> Fraction:
+    a, b, c = ([Fraction(x) - y for x, y in zip(corner, origin, strict=True)] for corner in triangle)
+    cross = b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]
+    return sum((x * y for x, y in zip(a, cross, strict=True)), Fraction(0))
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e6, -(2.0**40)])

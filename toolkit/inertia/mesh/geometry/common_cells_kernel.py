@@ -8,19 +8,14 @@ from __future__ import annotations
 import numpy as np
 from numba import carray, njit
 
-from inertia.mesh.geometry.shell_kernel import least, most
+from inertia.mesh.geometry.record_kernel import triangle
+from inertia.mesh.geometry.shell_kernel import enlarged, most
 
 FAMILY = np.uint64(0x9E3779B97F4A7C15)
 SIDE = 4  # cells along a block
 FAR, NUMBERS = 2.0**20, (1 << 20) - 1  # cells from the origin, at most; bits of the number of a block along an axis
 LINE, EVERY_FOURTH = np.uint64(0xF), np.uint64(0x1111)
 IN_ROWS, EVERY_SIXTEENTH, PLANE = np.uint64(0x1111111111111111), np.uint64(0x0001000100010001), np.uint64(0xFFFF)
-
-
-@njit(error_model="numpy", forceinline=True)
-def widened(low, high, a, b, c):
-    """Return the least and the largest of a range and a triangle's three coordinates."""
-    return least(low, a, b, c), most(high, a, b, c)
 
 
 @njit(error_model="numpy", forceinline=True)
@@ -43,7 +38,7 @@ def in_planes(part):
 
 
 def enter_cells(
-    vertices_at, vertices, faces_at, labels_at, count, roles_at, run, few_at, x, y, z, factor,
+    base, vertices, faces_at, labels_at, count, roles_at, run, few_at, x, y, z, factor,
     groups_at, width, size, family_at, families,
     keys_at, owners_at, cells_at, bits, slots_at, own_at, more_at, parts_at, room_at,
 ):  # fmt: skip
@@ -59,7 +54,7 @@ def enter_cells(
     where it is in them. `room` has how many blocks may be added, where `more` goes on and where it ends. Returns 1
     where there is no more room, 2 where runs are in too many blocks, or too far off.
     """
-    points = carray(vertices_at, (vertices, 3), np.float64)
+    points = carray(base, (vertices, 3), np.float64)
     faces = carray(faces_at, (count, 3), np.int64)
     labels, roles = carray(labels_at, (count,), np.int32), carray(roles_at, (count,), np.uint8)
     groups = carray(groups_at, (size,), np.int64)
@@ -89,15 +84,13 @@ def enter_cells(
                 while k < stop and labels[k] == label and roles[k] == role:
                     k += 1
             else:
-                i = faces[k, 0]
-                lx, ly, lz = points[i, 0], points[i, 1], points[i, 2]
-                hx, hy, hz = lx, ly, lz
+                a, _, _ = triangle(base, points, faces, vertices < 0, k)
+                box = a[0], a[1], a[2], a[0], a[1], a[2]
                 while k < stop and labels[k] == label and roles[k] == role:
-                    i, j, m = faces[k, 0], faces[k, 1], faces[k, 2]
-                    lx, hx = widened(lx, hx, points[i, 0], points[j, 0], points[m, 0])
-                    ly, hy = widened(ly, hy, points[i, 1], points[j, 1], points[m, 1])
-                    lz, hz = widened(lz, hz, points[i, 2], points[j, 2], points[m, 2])
+                    a, b, c = triangle(base, points, faces, vertices < 0, k)
+                    box = enlarged(box, a, b, c)
                     k += 1
+                lx, ly, lz, hx, hy, hz = box
             lx, hx, ly, hy, lz, hz = lx - x, hx - x, ly - y, hy - y, lz - z, hz - z
             far = most(most(-lx, -ly, -lz, -lz), hx, hy, hz) * factor
             if not far < FAR:

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Float, Int, cut_by
-from inertia.mesh.surface import Surface, Triangles
+from inertia.mesh.surface import Facets, Surface, Triangles
 from inertia.native import Kernel, address
 
 _CHUNK = 1 << 16
 _SAMPLES = 8  # triangles of a piece that are drawn
 _MANY = 1 << 12  # triangles of a piece, of which few are picked before they are sorted
-_CACHED = 1 << 14  # triangles that the compiled pass reads at a time
+_CACHED = 1 << 15  # triangles that the compiled pass reads at a time
 _COLUMNS = 12  # as the kernel has them, and the next
 _TINY = 2.0**-900  # above what squares that underflow are off by
 _MODULE, _ABI = "inertia.mesh.geometry.shell_kernel", "pippi" + "pi" + "pp"
@@ -142,19 +142,21 @@ def all_outward(triangles: Triangles, labels: NDArray[np.int32], count: int) -> 
 
 
 def chunks(triangles: Triangles, labels: NDArray[np.integer[Any]]) -> Iterator[tuple[slice, int, int, int, int, int]]:
-    """Yield the triangles chunk by chunk: which they are, and where vertices, faces and labels lie, with numbers."""
-    surface = triangles if isinstance(triangles, Surface) else None
+    """Yield the triangles chunk by chunk: which they are, and where vertices, faces and labels lie, with numbers.
+
+    Of records the number of vertices is −1; they lie where vertices would.
+    """
     # Whatever has its arrays in memory is one chunk.
     size = max(triangles.count, 1) if type(triangles) is Surface else _CACHED
-    each = np.arange(3 * _CACHED if surface is None else 0).reshape(-1, 3)
     for start in range(0, triangles.count, size):
         own = labels[start : start + size]
-        if surface is None:
-            vertices, faces = np.ascontiguousarray(triangles.corners(start, start + size)).reshape(-1, 3), each
+        if isinstance(triangles, Facets):
+            stored = triangles.corners_f4(start, start + size)
+            places = stored.ctypes.data, -1, 0
         else:
-            vertices, faces = surface.vertices, np.ascontiguousarray(surface.block(start, start + size))
-        places = vertices.ctypes.data, len(vertices), faces.ctypes.data, own.ctypes.data
-        yield slice(start, start + len(own)), *places, len(own)
+            faces = np.ascontiguousarray(triangles.block(start, start + size))
+            places = triangles.vertices.ctypes.data, len(triangles.vertices), faces.ctypes.data
+        yield slice(start, start + len(own)), *places, own.ctypes.data, len(own)
 
 
 def drawn(triangles: Triangles, order: list[Int], pieces: Int) -> Int:

@@ -16,6 +16,7 @@ from llvmlite import ir
 from numba import carray, njit, types
 from numba.extending import intrinsic
 
+from inertia.mesh.geometry.record_kernel import triangle
 from inertia.mesh.geometry.shell_kernel import (
     BLUR,
     COLUMNS,
@@ -56,7 +57,7 @@ FLAT = 1e-14
 
 
 def copy_shells(
-    vertices_at, vertices, faces_at, labels_at, count, first, table_at, shells, flags_at, zones_at, ends_at,
+    base, vertices, faces_at, labels_at, count, first, table_at, shells, flags_at, zones_at, ends_at,
     numbers_at, points_at, slots,
 ):  # fmt: skip
     """Copy the triangles in the zones of shells that meet others, shell by shell: float32, about the middles of boxes.
@@ -64,7 +65,7 @@ def copy_shells(
     `points`, (3, 3 slots), has their corners axis by axis, `numbers` the numbers of the triangles, which begin with
     `first`; those of a shell go where `ends` says, which moves on.
     """
-    corners = carray(vertices_at, (vertices, 3), np.float64)
+    corners = carray(base, (vertices, 3), np.float64)
     faces = carray(faces_at, (count, 3), np.int64)
     labels = carray(labels_at, (count,), np.int32)
     table = carray(table_at, (shells, COLUMNS), np.float64)
@@ -77,18 +78,18 @@ def copy_shells(
         shell = labels[k]
         if shell < 0 or not flags[shell] & MEETS:
             continue
-        p, q, r, beside = faces[k, 0], faces[k, 1], faces[k, 2], False
+        (a, b, c), beside = triangle(base, corners, faces, vertices < 0, k), False
         for axis in range(3):
-            x, y, z = corners[p, axis], corners[q, axis], corners[r, axis]
+            x, y, z = a[axis], b[axis], c[axis]
             beside |= (most(x, y, z, z) < zones[shell, axis]) | (zones[shell, axis + 3] < least(x, y, z, z))
         if beside:
             continue
         at = ends[shell]
         for axis in range(3):
             middle = 0.5 * table[shell, axis] + 0.5 * table[shell, axis + 3]
-            points[axis, 3 * at] = np.float32(corners[p, axis] - middle)
-            points[axis, 3 * at + 1] = np.float32(corners[q, axis] - middle)
-            points[axis, 3 * at + 2] = np.float32(corners[r, axis] - middle)
+            points[axis, 3 * at] = np.float32(a[axis] - middle)
+            points[axis, 3 * at + 1] = np.float32(b[axis] - middle)
+            points[axis, 3 * at + 2] = np.float32(c[axis] - middle)
         numbers[at] = first + k
         ends[shell] = at + 1
     return 0
@@ -382,9 +383,9 @@ def largest_of(x, y, z):
 
 
 @njit(error_model="numpy", forceinline=True)
-def beyond(table, shell, points, begin, end, triangle, normal):
+def beyond(table, shell, points, begin, end, corners, normal):
     """Say whether a triangle is sure to lie beyond all points of a shell, along the normal that leads away from it."""
-    (nx, ny, nz), (a, b, c) = normal, triangle
+    (nx, ny, nz), (a, b, c) = normal, corners
     size = largest_of(nx, ny, nz)
     if not size > 0.0:
         return False
@@ -405,7 +406,7 @@ def beyond(table, shell, points, begin, end, triangle, normal):
 
 
 def near_children(
-    vertices_at, vertices, faces_at, labels_at, count, table_at, shells, radii_at, boxes_at, nodes_at, order_at,
+    base, vertices, faces_at, labels_at, count, table_at, shells, radii_at, boxes_at, nodes_at, order_at,
     ranges_at, starts_at, ends_at, points_at, slots, patience_at, again, near_at, flags_at, stack_at,
 ):  # fmt: skip
     """Mark the triangles that may meet a shell next inside their own, and these shells.
@@ -415,7 +416,7 @@ def near_children(
     where its plane passes the sphere around it; `again` only those are looked at that are marked, and are apart too
     where their planes have all points of it on one side, of those that `copy_shells` wrote.
     """
-    corners = carray(vertices_at, (vertices, 3), np.float64)
+    corners = carray(base, (vertices, 3), np.float64)
     faces = carray(faces_at, (count, 3), np.int64)
     labels = carray(labels_at, (count,), np.int32)
     table = carray(table_at, (shells, COLUMNS), np.float64)
@@ -442,10 +443,7 @@ def near_children(
             only = root < shells
             if only:
                 x, y, z, square = sphere(table, radii, order[root])
-        p, q, r = faces[k, 0], faces[k, 1], faces[k, 2]
-        ax, ay, az = corners[p, 0], corners[p, 1], corners[p, 2]
-        bx, by, bz = corners[q, 0], corners[q, 1], corners[q, 2]
-        cx, cy, cz = corners[r, 0], corners[r, 1], corners[r, 2]
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = triangle(base, corners, faces, vertices < 0, k)
         ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
         nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
         sides = (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
@@ -475,8 +473,8 @@ def near_children(
                 continue
             if patience[child] > 0:
                 patience[child] -= ends[child] - starts[child]
-                triangle = (ax, ay, az), (bx, by, bz), (cx, cy, cz)
-                if beyond(table, child, points, starts[child], ends[child], triangle, (nx, ny, nz)):
+                own = (ax, ay, az), (bx, by, bz), (cx, cy, cz)
+                if beyond(table, child, points, starts[child], ends[child], own, (nx, ny, nz)):
                     continue
             near[k] = 1
             flags[child] |= NEAR

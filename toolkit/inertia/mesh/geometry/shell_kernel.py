@@ -11,6 +11,7 @@ import numpy as np
 from numba import carray, njit
 
 from inertia.mesh.geometry.crossing_kernel import spread
+from inertia.mesh.geometry.record_kernel import EIGHT, FEW, add_finely, add_records, triangle
 
 COLUMNS = 12
 """Numbers for each shell: its box, 6 × its volume, the sum of its terms' largest magnitudes squared, a place on it, how
@@ -18,9 +19,6 @@ many triangles it has."""
 
 RUN, MIXED = 64, -2
 """Triangles one after another whose box is kept, with their shell; this, where they are of several."""
-
-FEW = 4
-"""Triangles one after another whose box is kept for `enter_cells`."""
 
 ULP, SMALLEST = np.float32(2.0**-23), np.float32(2.0**-149)
 """Of float32: what the next number is away, over a number's size, and at least."""
@@ -86,27 +84,50 @@ def above(x):
 
 
 @njit(error_model="numpy", forceinline=True)
-def around(few, n, lx, ly, lz, hx, hy, hz):
+def around(few, n, box):
     """Write a box as float32 around it."""
+    lx, ly, lz, hx, hy, hz = box
     few[n, 0], few[n, 1], few[n, 2] = below(lx), below(ly), below(lz)
     few[n, 3], few[n, 4], few[n, 5] = above(hx), above(hy), above(hz)
 
 
 @njit(error_model="numpy", forceinline=True)
-def enclose(corners, faces, start, stop, few):
+def enlarged(box, a, b, c):
+    """Return a box with the corners of another triangle."""
+    (lx, ly, lz, hx, hy, hz), (x0, y0, z0), (x1, y1, z1), (x2, y2, z2) = box, a, b, c
+    lx, ly, lz = least(lx, x0, x1, x2), least(ly, y0, y1, y2), least(lz, z0, z1, z2)
+    return lx, ly, lz, most(hx, x0, x1, x2), most(hy, y0, y1, y2), most(hz, z0, z1, z2)
+
+
+@njit(error_model="numpy", forceinline=True)
+def enclose(base, points, faces, records, start, stop, few):
     """Write boxes around each `FEW` of some triangles."""
     for begin in range(start, stop, FEW):
-        i = faces[begin, 0]
-        lx, ly, lz = corners[i, 0], corners[i, 1], corners[i, 2]
-        hx, hy, hz = lx, ly, lz
+        a, _, _ = triangle(base, points, faces, records, begin)
+        box = a[0], a[1], a[2], a[0], a[1], a[2]
         for k in range(begin, min(begin + FEW, stop)):
-            p, q, r = faces[k, 0], faces[k, 1], faces[k, 2]
-            x0, y0, z0 = corners[p, 0], corners[p, 1], corners[p, 2]
-            x1, y1, z1 = corners[q, 0], corners[q, 1], corners[q, 2]
-            x2, y2, z2 = corners[r, 0], corners[r, 1], corners[r, 2]
-            lx, ly, lz = least(lx, x0, x1, x2), least(ly, y0, y1, y2), least(lz, z0, z1, z2)
-            hx, hy, hz = most(hx, x0, x1, x2), most(hy, y0, y1, y2), most(hz, z0, z1, z2)
-        around(few, begin // FEW, lx, ly, lz, hx, hy, hz)
+            a, b, c = triangle(base, points, faces, records, k)
+            box = enlarged(box, a, b, c)
+        around(few, begin // FEW, box)
+
+
+@njit(error_model="numpy", forceinline=True)
+def joined(one, other):
+    """Return the box of two boxes."""
+    (ax, ay, az, bx, by, bz), (lx, ly, lz, hx, hy, hz) = one, other
+    return smaller(ax, lx), smaller(ay, ly), smaller(az, lz), larger(bx, hx), larger(by, hy), larger(bz, hz)
+
+
+@njit(error_model="numpy", forceinline=True)
+def measured(several, volume, size):
+    """Return the box of several triangles, and the volume and the squares that theirs are added to."""
+    return several[:6], volume + several[6], size + several[7]
+
+
+@njit(error_model="numpy", forceinline=True)
+def write(rows, n, box):
+    """Write a box to the first numbers of a row."""
+    rows[n, 0], rows[n, 1], rows[n, 2], rows[n, 3], rows[n, 4], rows[n, 5] = box
 
 
 @njit(error_model="numpy", forceinline=True)
@@ -121,31 +142,26 @@ def alike(labels, start, stop, count):
 
 
 @njit(error_model="numpy", forceinline=True)
-def added(corners, faces, k, x, y, z, box, volume, size):
+def added(a, b, c, x, y, z, box, volume, size):
     """Return a box, a volume about a place and the squares of what it is made of with another triangle."""
-    lx, ly, lz, hx, hy, hz = box
-    p, q, r = faces[k, 0], faces[k, 1], faces[k, 2]
-    x0, y0, z0 = corners[p, 0], corners[p, 1], corners[p, 2]
-    x1, y1, z1 = corners[q, 0], corners[q, 1], corners[q, 2]
-    x2, y2, z2 = corners[r, 0], corners[r, 1], corners[r, 2]
-    lx, ly, lz = least(lx, x0, x1, x2), least(ly, y0, y1, y2), least(lz, z0, z1, z2)
-    hx, hy, hz = most(hx, x0, x1, x2), most(hy, y0, y1, y2), most(hz, z0, z1, z2)
+    box = enlarged(box, a, b, c)
+    (x0, y0, z0), (x1, y1, z1), (x2, y2, z2) = a, b, c
     ux, uy, uz = x1 - x0, y1 - y0, z1 - z0
     vx, vy, vz = x2 - x0, y2 - y0, z2 - z0
     ax, ay, az = x0 - x, y0 - y, z0 - z
     volume += ax * (uy * vz - uz * vy) + ay * (uz * vx - ux * vz) + az * (ux * vy - uy * vx)
     size += (ax * ax + ay * ay + az * az) * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
-    return (lx, ly, lz, hx, hy, hz), volume, size
+    return box, volume, size
 
 
 @njit(error_model="numpy", forceinline=True)
-def measure(vertices_at, vertices, faces_at, labels_at, count, table_at, shells, boxes_at, shell_at, few_at, fine):
+def measure(base, vertices, faces_at, labels_at, count, table_at, shells, boxes_at, shell_at, few_at, fine, records):
     """Add triangles to the rows of their shells, zero at first; volumes are about a place on the first triangle.
 
     Of each run of triangles the box, (n, 6), and the shell, (n,), are written, and with `fine` boxes around each `FEW`
     triangles of whatever shells, (n, 6).
     """
-    corners = carray(vertices_at, (vertices, 3), np.float64)
+    points = carray(base, (vertices, 3), np.float64)
     faces = carray(faces_at, (count, 3), np.int64)
     labels = carray(labels_at, (count,), np.int32)
     table = carray(table_at, (shells, COLUMNS), np.float64)
@@ -163,56 +179,67 @@ def measure(vertices_at, vertices, faces_at, labels_at, count, table_at, shells,
                 k += 1
                 continue
             # Triangles of a shell mostly follow one another: its numbers need not go through memory for each.
-            p, q, r = faces[k, 0], faces[k, 1], faces[k, 2]
+            a, b, c = triangle(base, points, faces, records, k)
             if table[row, 11] == 0.0:
                 for axis in range(3):
-                    a, b, c = corners[p, axis], corners[q, axis], corners[r, axis]
-                    table[row, 8 + axis] = FIRST * a + SECOND * b + THIRD * c
-            lx, ly, lz = corners[p, 0], corners[p, 1], corners[p, 2]
-            hx, hy, hz = lx, ly, lz
+                    table[row, 8 + axis] = FIRST * a[axis] + SECOND * b[axis] + THIRD * c[axis]
+            box = a[0], a[1], a[2], a[0], a[1], a[2]
             volume, size = table[row, 6], table[row, 7]
             x, y, z = table[row, 8], table[row, 9], table[row, 10]
             begin = k
             if fine and alike(labels, k, n * RUN + RUN, count):
+                if records:
+                    part, volume, size = measured(add_finely(base, k, RUN // EIGHT, x, y, z, few_at), volume, size)
+                    box, k = joined(box, part), stop
                 while k < stop:
-                    p, number = faces[k, 0], k // FEW
-                    box = corners[p, 0], corners[p, 1], corners[p, 2], corners[p, 0], corners[p, 1], corners[p, 2]
+                    a, b, c = triangle(base, points, faces, records, k)
+                    part, number = (a[0], a[1], a[2], a[0], a[1], a[2]), k // FEW
                     for _ in range(FEW):
-                        box, volume, size = added(corners, faces, k, x, y, z, box, volume, size)
+                        a, b, c = triangle(base, points, faces, records, k)
+                        part, volume, size = added(a, b, c, x, y, z, part, volume, size)
                         k += 1
-                    (ax, ay, az, bx, by, bz) = box
-                    around(few, number, ax, ay, az, bx, by, bz)
-                    lx, ly, lz = smaller(lx, ax), smaller(ly, ay), smaller(lz, az)
-                    hx, hy, hz = larger(hx, bx), larger(hy, by), larger(hz, bz)
+                    around(few, number, part)
+                    box = joined(box, part)
+            if records and not fine and stop - k >= EIGHT:
+                end = k
+                while end < stop and labels[end] == row:
+                    end += 1
+                if end - k >= EIGHT:
+                    part, volume, size = measured(
+                        add_records(base, k, (end - k) // EIGHT, x, y, z, few_at), volume, size
+                    )
+                    box, k = joined(box, part), end - (end - k) % EIGHT
             while k < stop and labels[k] == row:
-                box = lx, ly, lz, hx, hy, hz
-                (lx, ly, lz, hx, hy, hz), volume, size = added(corners, faces, k, x, y, z, box, volume, size)
+                a, b, c = triangle(base, points, faces, records, k)
+                box, volume, size = added(a, b, c, x, y, z, box, volume, size)
                 k += 1
             if k - begin == stop - n * RUN:
-                boxes[n, 0], boxes[n, 1], boxes[n, 2] = lx, ly, lz
-                boxes[n, 3], boxes[n, 4], boxes[n, 5] = hx, hy, hz
+                write(boxes, n, box)
             if table[row, 11] > 0.0:
-                lx, ly, lz = smaller(lx, table[row, 0]), smaller(ly, table[row, 1]), smaller(lz, table[row, 2])
-                hx, hy, hz = larger(hx, table[row, 3]), larger(hy, table[row, 4]), larger(hz, table[row, 5])
-            table[row, 0], table[row, 1], table[row, 2] = lx, ly, lz
-            table[row, 3], table[row, 4], table[row, 5] = hx, hy, hz
+                before = table[row, 0], table[row, 1], table[row, 2], table[row, 3], table[row, 4], table[row, 5]
+                box = joined(box, before)
+            write(table, row, box)
             table[row, 6], table[row, 7] = volume, size
             table[row, 11] += k - begin
         if fine and not alike(labels, n * RUN, n * RUN + RUN, count):
-            enclose(corners, faces, n * RUN, stop, few)
+            enclose(base, points, faces, records, n * RUN, stop, few)
     return 0
 
 
-def measure_shells(vertices_at, vertices, faces_at, labels_at, count, table_at, shells, boxes_at, shell_at):
+def measure_shells(base, vertices, faces_at, labels_at, count, table_at, shells, boxes_at, shell_at):
     """Measure shells as `measure` does, without boxes around a few triangles."""
-    given = vertices_at, vertices, faces_at, labels_at, count, table_at, shells, boxes_at, shell_at
-    return measure(*given, boxes_at, False)
+    given = base, vertices, faces_at, labels_at, count, table_at, shells, boxes_at, shell_at, boxes_at
+    if vertices < 0:
+        return measure(*given, False, True)
+    return measure(*given, False, False)
 
 
-def measure_finely(vertices_at, vertices, faces_at, labels_at, count, table_at, shells, boxes_at, shell_at, few_at):
+def measure_finely(base, vertices, faces_at, labels_at, count, table_at, shells, boxes_at, shell_at, few_at):
     """Measure shells as `measure` does, with boxes around a few triangles."""
-    given = vertices_at, vertices, faces_at, labels_at, count, table_at, shells, boxes_at, shell_at
-    return measure(*given, few_at, True)
+    given = base, vertices, faces_at, labels_at, count, table_at, shells, boxes_at, shell_at, few_at
+    if vertices < 0:
+        return measure(*given, True, True)
+    return measure(*given, True, False)
 
 
 def curve_places(table_at, shells, cells, noise, stored, bits, box_at, boxes_at, places_at):
@@ -496,7 +523,7 @@ def ask_runs(
 
 
 def cast_rays(
-    vertices_at, vertices, faces_at, labels_at, count,
+    base, vertices, faces_at, labels_at, count,
     table_at, shells, flags_at, spots_at, signs_at, numbers_at, radii_at,
     points_at, whose_at, points, cells_at, across, x, y, step_x, step_y, margin, sums_at, depths_at,
 ):  # fmt: skip
@@ -508,7 +535,7 @@ def cast_rays(
     that holds others has its points in `spots`. Returns 1 where a point is nearer than the margin to another shell, so
     that it cannot be told.
     """
-    corners = carray(vertices_at, (vertices, 3), np.float64)
+    corners = carray(base, (vertices, 3), np.float64)
     faces = carray(faces_at, (count, 3), np.int64)
     labels = carray(labels_at, (count,), np.int32)
     table = carray(table_at, (shells, COLUMNS), np.float64)
@@ -530,10 +557,7 @@ def cast_rays(
         flag = flags[shell]
         if not flag & (INSIDE | AROUND):
             continue
-        p, q, r = faces[k, 0], faces[k, 1], faces[k, 2]
-        x0, y0, z0 = corners[p, 0], corners[p, 1], corners[p, 2]
-        x1, y1, z1 = corners[q, 0], corners[q, 1], corners[q, 2]
-        x2, y2, z2 = corners[r, 0], corners[r, 1], corners[r, 2]
+        (x0, y0, z0), (x1, y1, z1), (x2, y2, z2) = triangle(base, corners, faces, vertices < 0, k)
         if flag & INSIDE:
             mx = 0.5 * table[shell, 0] + 0.5 * table[shell, 3]
             my = 0.5 * table[shell, 1] + 0.5 * table[shell, 4]
