@@ -75,7 +75,11 @@ def add(parsers: Any) -> None:
     parser.add_argument("--manifest", metavar="FILE", help="a manifest, whatever its name: CSV or Parquet")
     work = parser.add_argument_group("who works, and within what")
     work.add_argument("--jobs", type=int, metavar="N", help="worker processes: one for each processor, if not given")
-    work.add_argument("--dask", metavar="ADDRESS", help="use the workers of that Dask scheduler, as tcp://host:8786")
+    work.add_argument(
+        "--dask",
+        metavar="ADDRESS",
+        help="use the workers of that Dask scheduler, as tcp://host:8786; local for one in this process",
+    )
     work.add_argument("--timeout", type=float, metavar="SECONDS", help="that one file may take")
     work.add_argument("--memory", type=size, metavar="BYTES", help="that one file may take, as 4GB (Linux)")
     work.add_argument("--shard", type=_shard, metavar="I/N", help="every N-th file from the I-th, as 3/8")

@@ -91,7 +91,11 @@ def add(parsers: Any) -> None:
         help="count the draws in which a quantity reaches a level, as tilt=1.57, and when first; repeat it for others",
     )
     vary.add_argument("--jobs", type=int, metavar="N", help="processes to share the draws among (as it pays)")
-    vary.add_argument("--dask", metavar="ADDRESS", help="scheduler of a Dask cluster to send the draws to")
+    vary.add_argument(
+        "--dask",
+        metavar="ADDRESS",
+        help="send the draws to the workers of that Dask scheduler, as tcp://host:8786; local for one in this process",
+    )
     add_result(parser)
 
 

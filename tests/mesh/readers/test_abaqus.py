@@ -126,16 +126,37 @@ def test_a_type_has_its_number_of_nodes(tmp_path: Path) -> None:
 
 
 def test_numbers_are_those_of_fortran(tmp_path: Path) -> None:
-    shift = ABAQUS.replace("1, 0.1, 0.1, 0.1", "1, 1.D-1, .1d0, 1.e-1, 0., 0., 1.,")
-    with pytest.raises(ReadError, match="node '2' has 3 coordinates"):
-        read_text(tmp_path, shift)
-    part = read_text(tmp_path, ABAQUS.replace("1, 0.1, 0.1, 0.1", "1, 1.D-1, .1d0, 1.e-1,"))
-    assert np.array_equal(cells_of(part).points, TETRA_POINTS)
-    for text, says in (("1_0", "node 4 holds '1_0', which is not a number"), ("", "node 4 holds ''")):
+    for behind in ("", ",", ", 0., 0., 1.,"):
+        part = read_text(tmp_path, ABAQUS.replace("1, 0.1, 0.1, 0.1", f"1, 1.D-1, .1d0, 1.e-1{behind}"))
+        assert np.array_equal(cells_of(part).points, TETRA_POINTS)
+    for text, says in (
+        ("1_0", "node 4 holds '1_0', which is not a number"),
+        ("0,0,0,0", "node '4' has 7 numbers, but"),
+    ):
         with pytest.raises(ReadError, match=says):
-            read_text(tmp_path, ABAQUS.replace("4, 0.1, 0.1, 1.1", f"4, 0.1, {text}, 1.1"))
+            read_text(tmp_path, ABAQUS.replace("4, 0.1, 0.1, 1.1", f"4, 0.1, {text}, 0.1, 1.1"))
     with pytest.raises(ReadError, match="element '2' holds '0_5', which is not a whole number"):
         read_text(tmp_path, ABAQUS.replace("2,3,4,5", "2,3,4,0_5"))
+
+
+def test_a_coordinate_that_is_left_out_is_zero(tmp_path: Path) -> None:
+    short = "*NODE\n1\n2,1\n3,1,2,\n4,,2,\n5,,,3\n6,1, ,3\n7,1,2,3\n8,,2,3\n*ELEMENT, TYPE=C3D8\n1,1,2,3,4,5,6,7,8\n"
+    full = read_text(tmp_path, BRICK + "*ELEMENT, TYPE=C3D8\n1,1,2,3,4,5,6,7,8\n")
+    assert np.array_equal(cells_of(read_text(tmp_path, short)).points, cells_of(full).points)
+    flat = read_text(tmp_path, "*NODE\n1,0,0\n2,1,0\n3,1,2\n*ELEMENT, TYPE=CPS3\n1,1,2,3\n")
+    assert mass_properties(flat, 1, shell=1).volume == pytest.approx(1, rel=1e-14)
+
+
+def test_an_instance_that_is_moved_by_nothing_is_read(tmp_path: Path) -> None:
+    for nothing in ("0., 0., 0.\n", "0.,0.E0,\n", "0\n"):
+        instance = f"*Instance, name=P-1, part=P\n{nothing}*End Instance\n"
+        part = read_text(tmp_path, IN_PARTS.format(NODES, instance))
+        assert np.array_equal(cells_of(part).points, TETRA_POINTS)
+    for moves in ("0., 0., 1e-300\n", "0.,0.,0.\n0.,0.,0.,1.,0.,0.,90.\n"):
+        with pytest.raises(ReadError, match="INSTANCE moves the part"):
+            read_text(tmp_path, IN_PARTS.format(NODES, f"*Instance, name=P-1, part=P\n{moves}*End Instance\n"))
+    with pytest.raises(ReadError, match=r"its \*INSTANCE holds 'x', which is not a number"):
+        read_text(tmp_path, IN_PARTS.format(NODES, "*Instance, name=P-1, part=P\nx\n*End Instance\n"))
 
 
 def test_a_node_is_in_one_place(tmp_path: Path) -> None:

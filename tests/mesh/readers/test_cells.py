@@ -24,6 +24,7 @@ from tests.mesh.readers.samples import (
     names_of,
     read_text,
     volumes,
+    words,
 )
 
 from inertia import mass_properties
@@ -263,10 +264,10 @@ def test_cells_that_are_not_understood_are_refused_by_name(number: int, nodes: i
         read_text(tmp_path, "odd.vtk", text)
 
 
-def test_cells_that_meshio_passes_over_are_missed(tmp_path: Path) -> None:
+def test_cells_that_meshio_passes_over_are_refused_by_number(tmp_path: Path) -> None:
     text = volumes(tmp_path)["vtu text"][1].decode()
     assert text.count("10\n10\n") == 1
-    with pytest.raises(ReadError, match="lists 2 cells, but meshio could read 1"):
+    with pytest.raises(ReadError, match="cells of the kind 37 of VTK are not read: use cells of first"):
         read_text(tmp_path, "odd.vtu", text.replace("10\n10\n", "10\n37\n"))
 
 
@@ -288,6 +289,40 @@ def test_gmsh_physical_groups_are_regions_where_only_some_are_named(tmp_path: Pa
     assert part.notes == (NOTE_OF_GROUPS + "'steel+9'",)
     both = text.replace("1 1 1 1 7 0\n", "1 1 1 2 -7 9 0\n")
     assert names_of(read_text(tmp_path, "two.msh", both)) == ["steel+9", "steel+9"]
+
+
+def test_gmsh_2_stores_an_element_once_for_each_of_its_groups(tmp_path: Path) -> None:
+    copies = [
+        "1 4 2 7 1 1 2 3 4",
+        "2 4 2 -9 1 1 2 3 4",
+        "3 4 2 9 2 2 3 4 15",
+        "4 4 2 7 2 2 3 4 15",
+        "5 4 2 5 2 2 3 4 15",
+    ]
+    head = GMSH_22.partition("$Elements")[0]
+    part = read_text(tmp_path, "two.msh", head + "\n".join(["$Elements", "5", *copies, "$EndElements", ""]))
+    assert names_of(part) == ["steel+9", "5+steel+9"]
+    assert part.notes == (f"{NOTE_OF_GROUPS}'5+steel+9' and 1 more",)
+    rows = b"".join(
+        np.array([4, 1, 2, *np.array(copy.split(), int)[[0, 3, 4, *range(5, 9)]]], "<i4").tobytes() for copy in copies
+    )
+    nodes = [line.split() for line in head.partition("$Nodes\n5\n")[2].splitlines()[:5]]
+    points = b"".join(struct.pack("<i3d", int(tag), *map(float, at)) for tag, *at in nodes)
+    named = head[head.index("$PhysicalNames") : head.index("$Nodes")].encode()
+    (tmp_path / "three.msh").write_bytes(
+        b"$MeshFormat\n2.2 1 8\n\1\0\0\0\n$EndMeshFormat\n" + named
+        + b"$Nodes\n5\n" + points + b"\n$EndNodes\n$Elements\n5\n" + rows + b"\n$EndElements\n"
+    )  # fmt: skip
+    assert names_of(read(tmp_path / "three.msh")) == ["steel+9", "5+steel+9"]
+
+
+@pytest.mark.parametrize(("again", "count"), [("7 1", 3), ("0 1", 3), ("9 2", 3), ("9 1", 2)])
+def test_what_gmsh_2_stores_twice_otherwise_stays(again: str, count: int, tmp_path: Path) -> None:
+    text = GMSH_22.replace("$Elements\n3\n", "$Elements\n4\n").replace("3 4 2 0 2", f"4 4 2 {again} 1 2 3 4\n3 4 2 0 2")
+    assert names_of(read_text(tmp_path, "two.msh", text)) == [
+        *(["steel"] if count == 3 else []), {"7 1": "steel", "0 1": "default", "9 2": "9", "9 1": "steel+9"}[again],
+        "default",
+    ]  # fmt: skip
 
 
 def test_families_of_med_are_regions(tmp_path: Path) -> None:
@@ -644,9 +679,67 @@ def test_voxels_stand_beside_other_cells(tmp_path: Path) -> None:
     ("number", "kind"), [(2, "poly-vertex"), (4, "poly-line"), (6, "triangle strip"), (42, "polyhedron")]
 )
 def test_cells_in_lists_that_are_not_read_are_called_by_name(number: int, kind: str, tmp_path: Path) -> None:
-    with pytest.raises(ReadError, match=f"cells of the kind {kind} are not read") as refusal:
-        read_text(tmp_path, "a.vtk", vtk_text(number, 4, "3.0"))
-    assert refusal.value.code == "not_read"
+    for version in ("3.0", "5.1"):
+        with pytest.raises(ReadError, match=f"cells of the kind '?{kind}'? are not read") as refusal:
+            read_text(tmp_path, "a.vtk", vtk_text(number, 4, version))
+        assert refusal.value.code == "not_read"
+
+
+@pytest.mark.parametrize("name", ["a.vtu", "2.vtu", "a.vtk", "5.vtk"])
+def test_poly_lines_and_their_like_beside_a_solid_are_left_out(name: str, tmp_path: Path) -> None:
+    """They stand before, between and behind the cells of the solid, which keep their regions."""
+    cells = [
+        (4, [0, 1, 2]),
+        (12, [*range(8)]),
+        (2, [3, 4, 5, 6]),
+        (6, [0, 1, 2, 3]),
+        (4, [5, 1, 2, 0]),
+        (10, [8, 1, 2, 5]),
+    ]
+    points = "0 0 0 1 0 0 1 2 0 0 2 0 0 0 3 1 0 3 1 2 3 0 2 3 3 0 0"
+    corners = " ".join(str(node) for _, nodes in cells for node in nodes)
+    ends = np.cumsum([len(nodes) for _, nodes in cells]).tolist()
+    types, regions = " ".join(str(number) for number, _ in cells), "1 7 2 3 4 8"
+    if name.endswith("vtu"):
+        arrays = {"connectivity": corners, "offsets": words(ends), "types": types}
+        data = "".join(
+            f'<DataArray type="Int64" Name="{key}" format="ascii">{text}</DataArray>' for key, text in arrays.items()
+        )
+        text = (
+            f'<VTKFile type="UnstructuredGrid" version="{"2.3" if name[0] == "2" else "0.1"}" '
+            'byte_order="LittleEndian"><UnstructuredGrid><Piece NumberOfPoints="9" NumberOfCells="6"><Points>'
+            '<DataArray type="Float64" '
+            f'NumberOfComponents="3" format="ascii">{points}</DataArray></Points><Cells>{data}</Cells><CellData>'
+            f'<DataArray type="Int32" Name="region" format="ascii">{regions}</DataArray></CellData></Piece>'
+            "</UnstructuredGrid></VTKFile>"
+        )
+    else:
+        lists = "\n".join(words([len(nodes), *nodes]) for _, nodes in cells)
+        table = f"CELLS 6 {6 + ends[-1]}\n{lists}"
+        if name[0] == "5":
+            table = (
+                f"CELLS 7 {ends[-1]}\nOFFSETS vtktypeint64\n{words([0, *ends])}\nCONNECTIVITY vtktypeint64\n{corners}"
+            )
+        text = (
+            f"# vtk DataFile Version {'5.1' if name[0] == '5' else '3.0'}\nx\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+            f"POINTS 9 double\n{points}\n{table}\nCELL_TYPES 6\n{types}\nCELL_DATA 6\nSCALARS region int 1\n"
+            f"LOOKUP_TABLE default\n{regions}\n"
+        )
+    part = read_text(tmp_path, name, text)
+    assert isinstance(part.geometry, Cells)
+    assert [(block.kind, block.nodes.tolist()) for block in part.geometry.blocks] == [
+        ("hexahedron", [[*range(8)]]), ("tetra", [[8, 1, 2, 5]]),
+    ]  # fmt: skip
+    assert names_of(part) == ["7", "8"]
+    assert part.notes == ("4 cells of lower dimension beside the volume cells were left out",)
+
+
+def test_regions_of_polygons_in_lists_are_kept(tmp_path: Path) -> None:
+    text = (
+        vtk_text(7, 4, "3.0").replace("CELLS 1 5", "CELLS 2 9\n3 0 1 2").replace("CELL_TYPES 1\n7", "CELL_TYPES 2\n7 7")
+    )
+    part = read_text(tmp_path, "a.vtk", text + "\nCELL_DATA 2\nSCALARS region int 1\nLOOKUP_TABLE default\n4 5\n")
+    assert names_of(part) == ["4", "5", "5"]
 
 
 def test_medit_may_do_without_its_end(tmp_path: Path) -> None:

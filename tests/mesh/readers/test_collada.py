@@ -14,7 +14,7 @@ from tests.mesh.readers.second_readers import shape_of
 import inertia
 from inertia.errors import ReadError
 from inertia.mesh.part import Part
-from inertia.mesh.read import read
+from inertia.mesh.read import read, read_tree
 from inertia_meshes import catalogue
 from inertia_meshes import path as sample_path
 
@@ -168,6 +168,14 @@ def test_what_is_no_body_is_noted_or_left_aside(tmp_path: Path) -> None:
     )
 
 
+def test_a_spline_beside_a_mesh_is_left_out(tmp_path: Path) -> None:
+    spline = '<geometry id="path"><spline><source id="q"/><control_vertices/></spline></geometry>'
+    nodes = f'<node>{BOX_INSTANCE}<instance_geometry url="#path"/></node>'
+    part = read_dae(tmp_path, dae(geometry_dae() + spline + '<geometry id="unused"><brep/></geometry>', nodes))
+    assert np.array_equal(part.triangles.corners(), BOX)
+    assert part.notes == read_tree(tmp_path / "box.dae").notes == ("1 set of lines or points was left out",)
+
+
 def test_geometries_are_regions(tmp_path: Path) -> None:
     geometries = geometry_dae("left") + geometry_dae("right")
     nodes = '<node><instance_geometry url="#left"/><instance_geometry url="#right"/></node>'
@@ -220,7 +228,11 @@ BAD = {
     "two lists": (dae(ONE.replace("</p>", "</p><p>0 0 1 0 2 0</p>")), "2 lists of corners"),
     "two corners": (dae(geometry_dae(faces=[[0, 1]], tag="polylist")), "a face with 2 corners"),
     "hole": (dae(geometry_dae(faces=QUADS, tag="polygons").replace("</polygons>", "<ph/></polygons>")), "holes"),
-    "no mesh": (dae('<geometry id="box"><spline/></geometry>'), "'#box', which it does not hold"),
+    "hull": (dae('<geometry id="box"><convex_mesh/></geometry>'), "'box' is a convex_mesh, which is not read: export"),
+    "shape": (dae('<geometry id="box"><asset/><brep/></geometry>'), "geometry 'box' is a brep, which is not read"),
+    "no kind": (dae('<geometry id="box"/>'), "geometry 'box' is a thing of no kind"),
+    "no mesh": (dae('<geometry id="other"/>'), "'#box', which it does not hold"),
+    "spline": (dae('<geometry id="box"><spline/></geometry>'), "no triangle mesh"),
     "elsewhere": (dae(nodes='<node><instance_geometry url="other.dae#box"/></node>'), "export it as one file"),
     "no scene": (re.sub("<scene>.*</scene>", "", dae()), "has no scene"),
     "empty scene": (dae(nodes="<node/>"), "no triangle mesh"),

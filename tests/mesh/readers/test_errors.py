@@ -71,6 +71,12 @@ def changed_glb(**changes: object) -> bytes:
     return glb(tree, binary)
 
 
+def compressed_glb() -> bytes:
+    tree, binary = gltf_tree()
+    del tree["accessors"][0]["bufferView"]
+    return glb(tree, binary)
+
+
 def accessor(index: int, **changes: object) -> bytes:
     tree, binary = gltf_tree()
     tree["accessors"][index].update(changes)
@@ -236,7 +242,12 @@ BAD = {
         changed_glb(nodes=[{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {}}}]),
         "EXT_mesh_gpu_instancing",
     ),
-    "glTF sparse": ("a.glb", accessor(0, sparse={"count": 1}), "accessor 0 is sparse"),
+    "glTF sparse": ("a.glb", accessor(0, sparse={"count": 1}), r"JSON has no accessors\[0\].sparse.indices, where an"),
+    "glTF compressed": (
+        "a.glb",
+        compressed_glb(),
+        "accessor 0 is compressed, which is not read: export it uncompressed",
+    ),
     "glTF quantised": ("a.glb", accessor(0, componentType=5122), "not three float32 numbers each"),
     "glTF count": ("a.glb", accessor(0, count=9_999_999), "accessor 0 does not fit in its buffer"),
     "glTF negative count": ("a.glb", accessor(0, count=-1), r"has -1 as accessors\[0\].count, where a whole number"),
@@ -411,6 +422,11 @@ BAD = {
     ),
     "MSH node twice": ("a.msh", GMSH_22.replace("15 1.1", "4 1.1"), "defines node 4 twice"),
     "MSH version": ("a.msh", GMSH_22.replace("2.2 0 8", "1.0 0 8"), "it is MSH '1.0', but 2.2 and 4.1"),
+    "MSH parameters": (
+        "a.msh",
+        GMSH_22.replace("$Nodes", "$ParametricNodes").replace("$EndNodes", "$EndParametricNodes"),
+        r"its nodes have parameters \(.ParametricNodes\), which are read in MSH 4.1 alone: save it without",
+    ),
     "MSH NaN": ("a.msh", GMSH_22.replace("15 1.1", "15 nan"), r"point 4 is \[nan"),
     "MSH sparse tags": ("a.msh", GMSH_22.replace("15 1.1", "9999999999 1.1"), "name node 15"),
     "MSH no elements": (

@@ -45,6 +45,22 @@ def grid(points: np.ndarray) -> list[str]:
     return [f"GRID,{k},,{','.join(map(str, map(float, point)))}" for k, point in enumerate(points, 1)]
 
 
+@pytest.mark.parametrize("head", ["", "$ Created by Gmsh 4.13.1\n", "$\r\n\n  $ x\n", "PARAM,POST,-1\n", "MAT1    1\n"])
+def test_cards_alone_need_no_begin_bulk(head: str, tmp_path: Path) -> None:
+    cards = [*grid(HEXAHEDRON), "CHEXA,1,1,1,2,3,4,5,6", ",7,8"]
+    part = read_text(tmp_path, "a.bdf", head + "\n".join([*cards, "ENDDATA", ""]))
+    assert mass_properties(part, 1.0).mass == pytest.approx(6e-9, rel=1e-14)
+    elements_first = "\n".join([*cards[8:], *cards[:8], "ENDDATA", ""]).replace(
+        "GRID,1,", "GRID,1,,0.,0.,0. $ x\nGRID,1,"
+    )
+    assert mass_properties(read_text(tmp_path, "b.bdf", elements_first), 1.0).mass == pytest.approx(6e-9, rel=1e-14)
+    with pytest.raises(ReadError, match="it has no ENDDATA line"):
+        read_text(tmp_path, "c.bdf", head + "\n".join(cards))
+    for line in ("SOL 101", "CEND $", "TITLE = x", "SUBCASE 1"):
+        with pytest.raises(ReadError, match="it has no BEGIN BULK line"):
+            read_text(tmp_path, "d.bdf", f"{line}\n" + head + "\n".join([*cards, "ENDDATA", ""]))
+
+
 CORNERS_OF_8 = "".join(f"{k:<8}" for k in (1, 1, 1, 2, 3, 4, 5, 6))
 
 

@@ -4,6 +4,7 @@ A test that fails says that a library has been mended: then see whether what sta
 """
 
 import contextlib
+import importlib
 import io
 import struct
 from collections.abc import Callable
@@ -182,6 +183,12 @@ def refuses_a_gmsh_with_a_group_for_some(folder: Path) -> bool:
     return True
 
 
+def passes_over_cells_of_vtk() -> bool:
+    read = importlib.import_module("meshio._vtk_common").vtk_cells_from_data  # which the reader does not replace
+    blocks, _ = read(np.arange(8), np.array([4, 8]), np.array([10, 37]), {})
+    return [len(block) for block in blocks] == [1]
+
+
 WEDGE_18 = (
     "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n18\n"
     + "".join(f"{i + 1} {i} 0 0\n" for i in range(18))
@@ -202,9 +209,7 @@ MESHIO: dict[str, Callable[[Path], bool]] = {
     "passes over the pieces of a VTU but one": lambda folder: (
         cells(by_meshio(folder, "a.vtu", vtu_of_two_pieces(folder))) == 2
     ),
-    "passes over the cells of a VTU that it does not know": lambda folder: (
-        cells(by_meshio(folder, "a.vtu", volumes(folder)["vtu text"][1].replace(b"10\n10\n", b"10\n37\n"))) == 1
-    ),
+    "passes over the cells of VTK that it does not know": lambda _: passes_over_cells_of_vtk(),
 }  # fmt: skip
 
 

@@ -325,6 +325,46 @@ def test_gltf_with_a_buffer_beside_it_and_interleaved_corners(tmp_path: Path) ->
     assert np.array_equal(part.triangles.corners(), SINGLE)
 
 
+def sparse_gltf(*places: int, positions: bool = True, kind: int = 5123) -> bytes:
+    """The box, of whose corners a sparse accessor gives some; without `positions` the others are at 0."""
+    base = np.where(np.isin(np.arange(8), places)[:, None], 9, CORNERS) if positions else CORNERS
+    tree, binary = gltf_tree(base)
+    own = np.array(places, {5121: "<u1", 5123: "<u2", 5125: "<u4"}[kind]).tobytes()
+    start = len(binary) + 8
+    tree["bufferViews"] += [
+        {"buffer": 0, "byteOffset": len(binary), "byteLength": 8 + len(own)},
+        {"buffer": 0, "byteOffset": start + 40, "byteLength": 12 * len(places)},
+    ]
+    tree["accessors"][0]["sparse"] = {
+        "count": len(places),
+        "indices": {"bufferView": 2, "byteOffset": 8, "componentType": kind},
+        "values": {"bufferView": 3},
+    }
+    if not positions:
+        del tree["accessors"][0]["bufferView"]
+    values = CORNERS[[k % 8 for k in places]].astype("<f4").tobytes()
+    binary += bytes(8) + own.ljust(40, b"\0") + values
+    tree["buffers"][0]["byteLength"] = len(binary)
+    return glb(tree, binary)
+
+
+@pytest.mark.parametrize("kind", [5121, 5123, 5125])
+def test_gltf_s_sparse_accessors_are_read(kind: int, tmp_path: Path) -> None:
+    expected = CORNERS.astype("<f4").astype(float)
+    for places, positions in (((0, 3, 7), True), (tuple(range(8)), True), (tuple(range(8)), False)):
+        part = read_bytes(tmp_path, "box.glb", sparse_gltf(*places, positions=positions, kind=kind))
+        assert np.array_equal(part.triangles.corners(), expected[TRIANGLES])
+    part = read_bytes(tmp_path, "box.glb", sparse_gltf(4, 7, positions=False, kind=kind))
+    kept = np.isin(np.arange(8), (4, 7))[:, None]
+    assert np.array_equal(part.triangles.corners(), np.where(kept, expected, 0)[TRIANGLES])
+
+
+@pytest.mark.parametrize("places", [(3, 0), (2, 2), (5, 8)])
+def test_gltf_s_sparse_indices_rise(places: tuple[int, ...], tmp_path: Path) -> None:
+    with pytest.raises(ReadError, match=r"accessors\[0\].sparse.indices do not rise, or go beyond the 8 rows"):
+        read_bytes(tmp_path, "box.glb", sparse_gltf(*places))
+
+
 def test_gltf_points_beside_triangles_are_noted(tmp_path: Path) -> None:
     tree, binary = gltf_tree()
     tree["meshes"][0]["primitives"].append({"attributes": {"POSITION": 0}, "mode": 0})

@@ -48,6 +48,8 @@ _TYPES = {
 _MIDDLE_SECOND = "T3D3"
 """The type whose nodes are end, middle, end; meshio takes them for end, end, middle."""
 
+_MOST_FIELDS = 7  # of a node: its number, where it is, and a normal
+
 _BETWEEN = 0.249, 0.751
 """Where the middle of a rod may be, as a share of the way from end to end: beyond a quarter the curve through the three
 nodes, whose parameter is 1/2 at the middle, turns back at an end."""
@@ -100,7 +102,8 @@ def _of_the_part(data: bytes) -> Iterator[Table]:
         elif keyword in _SCOPES:
             scope = f"{keyword} {options.get('NAME', '')}" if keyword != "ASSEMBLY" else keyword
             instances += keyword == "INSTANCE"
-            if keyword == "INSTANCE" and rows:
+            moves = (float(real("*INSTANCE", field or "0")) for row in rows[:1] for field in row)
+            if keyword == "INSTANCE" and (any(moves) or len(rows) > 1):  # the second line turns it
                 raise ReadError(
                     "its *INSTANCE moves the part, which is not read: export the part by itself", code="not_read"
                 )
@@ -171,18 +174,19 @@ def _tables(data: bytes) -> Iterator[Table]:
 
 
 def _nodes(rows: list[list[str]], places: Places) -> Iterator[str]:
-    """Yield nodes that are not in `places`, and take them in; behind their coordinates a normal may stand."""
-    width = 0
+    """Yield nodes that are not in `places`, and take them in; a coordinate that is left out is 0.
+
+    Behind the coordinates a normal may stand.
+    """
     for row in rows:
         fields = row if row[-1] else row[:-1]
-        width = width or len(fields)
-        if len(fields) != width or width not in (3, 4, 7):
+        if len(fields) > _MOST_FIELDS:
             raise ReadError(
-                f"its node {shown(row[0])} has {plural(len(fields) - 1, 'coordinate')}: it was cut short or damaged",
-                code="cut_short",
+                f"its node {shown(row[0])} has {len(fields) - 1} numbers, but a place and a normal have 6: it is "
+                "damaged, export it again"
             )
-        number = whole("a node", fields[0])
-        place = [real(f"node {number}", field) for field in (*fields[1:4], "0")[:3]]
+        number = whole("a node", row[0])
+        place = [real(f"node {number}", field or "0") for field in (*fields[1:4], "", "", "")[:3]]
         if once(f"node {number}", places, number, tuple(map(float, place))):
             yield ",".join([number, *place])
 

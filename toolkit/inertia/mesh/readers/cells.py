@@ -39,7 +39,10 @@ _NODES = {
 }  # fmt: skip
 """Nodes of the kinds that `Cells` may hold, under meshio's names."""
 
-_DIMENSIONS = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2, "polygon": 2}
+_DIMENSIONS = {
+    "vertex": 0, "poly-vertex": 0, "line": 1, "poly-line": 1,
+    "triangle": 2, "triangle strip": 2, "quad": 2, "polygon": 2,
+}  # fmt: skip
 
 Block = tuple[str, Int, NDArray[np.int32] | None]
 """A kind, the nodes (m, k), and the region of each cell (None, for all blocks: the file has no regions)."""

@@ -196,12 +196,24 @@ def _checked(root: Element) -> Checked:
     if remove(root, ["library_animations"]):
         notes.append("its animations were left out: it was read as it stands at their beginning")
     lines = remove(root, _LINES)
+    for spline in root.findall("library_geometries/geometry/spline"):
+        spline.clear()
+        spline.tag = "mesh"
+        lines += 1
     if lines:
         notes.append(f"{plural(lines, 'set')} of lines or points {was(lines)} left out")
     if next(root.iter("instance_controller"), None) is not None:
         raise ReadError(
             "it has a skin or a morph, whose shape a skeleton decides: export it as a plain mesh", code="not_read"
         )
+    placed = {each.get("url") for each in root.iter("instance_geometry")}
+    for geometry in root.findall("library_geometries/geometry"):
+        if geometry.find("mesh") is None and f"#{geometry.get('id')}" in placed:
+            kind = next((each.tag for each in geometry if each.tag != "asset"), "thing of no kind")
+            raise ReadError(
+                f"its geometry {shown(geometry.get('id', ''))} is a {kind}, which is not read: export it as a mesh",
+                code="not_read",
+            )
     unit = _unit(root)
     for node in root.iter("node"):
         _check_transforms(node)
@@ -326,11 +338,18 @@ def _points(source: Element, what: str) -> Float:
     names = [param.get("name") for param in accessor.findall("param")]
     if names not in (["X", "Y", "Z"], [None] * 3) or accessor.get("source") != f"#{array.get('id')}":
         raise ReadError(f"{what} has positions that are no x, y and z: export it again")
-    stated = array.get("count"), accessor.get("count"), accessor.get("stride"), accessor.get("offset", "0")
-    if stated != (str(count), str(count // 3), "3", "0") or count % 3:
+    stride, offset = accessor.get("stride"), accessor.get("offset", "0")
+    if (stride, offset) != ("3", "0"):
         raise ReadError(
-            f"{what} has {plural(count, 'number')} of positions, but says {stated[0]} for {stated[1]} points, "
-            f"{stated[2]} numbers apart from number {stated[3]}: it was cut short, or export it with x, y, z alone",
+            f"{what} has positions {stride} numbers apart from number {offset}, which are not read: export it with "
+            "x, y, z alone",
+            code="not_read",
+        )
+    stated = array.get("count"), accessor.get("count")
+    if stated != (str(count), str(count // 3)) or count % 3:
+        raise ReadError(
+            f"{what} has {plural(count, 'number')} of positions, but says {stated[0]} for {stated[1]} points: it was "
+            "cut short, export it again",
             code="cut_short",
         )
     return values.reshape(-1, 3)

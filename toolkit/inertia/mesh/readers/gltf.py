@@ -1,8 +1,8 @@
 """glTF 2.0, as one binary file (GLB) or as JSON with its buffers: the triangles of the scene, node by node.
 
 Only positions, indices and the transforms of nodes matter here. Whatever would change the shape and is not
-understood (compression, sparse or quantised positions) is refused, because leaving it out would give another
-body. Source: Khronos, "glTF 2.0 Specification", 2021.
+understood (compression, quantised positions) is refused, because leaving it out would give another body.
+Source: Khronos, "glTF 2.0 Specification", 2021.
 """
 
 from __future__ import annotations
@@ -44,6 +44,7 @@ T = TypeVar("T")
 _MAGIC = b"glTF"
 _JSON, _BINARY = b"JSON", b"BIN\0"
 _COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+_UNSIGNED = {number: _COMPONENTS[number] for number in (5121, 5123, 5125)}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _SLOPPY = 1e-3  # of the farthest coordinate, what a stated one may be off by: exporters round them
@@ -287,29 +288,50 @@ class Scene:
     def _accessor(self, holder: JsonObject, name: str) -> NDArray[Any]:
         """Return the rows of an accessor, (count, components); no other bytes of its buffer are read."""
         index, accessor = holder.whole(name), self._item("accessors", holder, name)
-        if "sparse" in accessor or "bufferView" not in accessor:
+        if "sparse" not in accessor and "bufferView" not in accessor:
             raise ReadError(
-                f"accessor {index} is sparse or compressed, which is not read: export it uncompressed", code="not_read"
+                f"accessor {index} is compressed, which is not read: export it uncompressed", code="not_read"
             )
-        view = self._item("bufferViews", accessor, "bufferView")
-        buffer = self._buffer(view)
         dtype = np.dtype(accessor.choice("componentType", _COMPONENTS))
-        width = accessor.choice("type", _WIDTHS)
+        count, width = accessor.whole("count"), accessor.choice("type", _WIDTHS)
+        if "bufferView" in accessor:
+            rows = self._rows(f"accessor {index}", accessor, dtype, count, width)
+        elif count > 3 * EXPANDED_LIMIT:
+            raise ReadError(f"accessor {index} has more than {3 * EXPANDED_LIMIT} rows: split it", code="too_large")
+        else:
+            rows = np.zeros((count, width), dtype)
+        if "sparse" not in accessor:
+            return rows
+        sparse = accessor.object("sparse")
+        some, indices, values = sparse.whole("count"), sparse.object("indices"), sparse.object("values")
+        kind = np.dtype(indices.choice("componentType", _UNSIGNED))
+        at = self._rows(indices.place, indices, kind, some, 1)[:, 0].astype(np.int64)
+        if (np.diff(at) <= 0).any() or at[-1] >= count:
+            raise ReadError(
+                f"{indices.place} do not rise, or go beyond the {count} rows: it is damaged, export it again"
+            )
+        rows = rows.copy()
+        rows[at] = self._rows(values.place, values, dtype, some, width)
+        return rows
+
+    def _rows(self, what: str, place: JsonObject, dtype: np.dtype[Any], count: int, width: int) -> NDArray[Any]:
+        """Return rows of a buffer (count, width), whose view and byte offset stand at a place of the JSON."""
+        view = self._item("bufferViews", place, "bufferView")
+        buffer = self._buffer(view)
         row = width * dtype.itemsize
-        count, start = accessor.whole("count"), view.whole("byteOffset", 0)
+        start = view.whole("byteOffset", 0)
         end = start + view.whole("byteLength")
-        start += accessor.whole("byteOffset", 0)
+        start += place.whole("byteOffset", 0)
         stride = view.whole("byteStride", 0) or row
         stop = start + (count - 1) * stride + row
         if start % dtype.itemsize or stride % dtype.itemsize:
             raise ReadError(
-                f"accessor {index} begins at byte {start} of its buffer with a stride of {stride}, not both multiples "
+                f"{what} begins at byte {start} of its buffer with a stride of {stride}, not both multiples "
                 f"of the {dtype.itemsize} bytes of its numbers: it is damaged, export it again"
             )
         if count == 0 or stride < row or stop > min(end, buffer.size):
             raise ReadError(
-                f"accessor {index} does not fit in its buffer: it was cut short or damaged, export it again",
-                code="cut_short",
+                f"{what} does not fit in its buffer: it was cut short or damaged, export it again", code="cut_short"
             )
         return np.ndarray((count, width), dtype, buffer.between(start, stop), 0, (stride, dtype.itemsize))
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from codecs import BOM_UTF8
 from dataclasses import replace
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -50,7 +51,7 @@ def read_gmsh(path: Path) -> Contents:
     places: dict[str, int] = {}
     blocks: list[Block] = []
     joint: set[str] = set()
-    for number, physical, corners in _elements_2(file) if old else _elements_4(file, several):
+    for number, physical, corners in _elements_2(file, several) if old else _elements_4(file, several):
         kind, arrangement = TYPES[number]
         groups, which = np.unique(physical, return_inverse=True)
         own = [several[~tag] if ~tag in range(len(several)) else (tag,) for tag in groups.tolist()]
@@ -131,16 +132,46 @@ def _nodes_2(file: MshFile) -> tuple[Int, Float]:
     return tags, points
 
 
-def _elements_2(file: MshFile) -> list[Group]:
-    """Return the elements of MSH 2; the first of an element's own tags is its physical group."""
+_Elements = tuple[int, Int, Int, Int]
+"""Elements of MSH 2 of one type: Gmsh's number of it, the physical and the elementary tag of each, its node tags."""
+
+
+def _elements_2(file: MshFile, several: list[tuple[int, ...]]) -> list[Group]:
+    """Return the elements of MSH 2, which stores one that is in several physical groups once for each of them.
+
+    Those have ~k for their group, as in `_elements_4`.
+    """
     body = file.numbers("Elements")
     total = body.line()
-    groups = _binary_elements(body, total) if file.binary else _text_elements(body, total)
-    body.finish("elements", total, sum(len(corners) for _, _, corners in groups))
+    elements = _binary_elements(body, total) if file.binary else _text_elements(body, total)
+    body.finish("elements", total, sum(len(corners) for _, _, _, corners in elements))
+    groups = []
+    for number, runs in groupby(elements, key=lambda each: each[0]):
+        _, *columns = zip(*runs, strict=True)
+        physical, elementary, corners = map(np.concatenate, columns)
+        again = (corners[1:] == corners[:-1]).all(axis=1) & (elementary[1:] == elementary[:-1])
+        again &= (physical[1:] != physical[:-1]) & (physical[1:] != 0) & (physical[:-1] != 0)
+        first = np.flatnonzero(np.append(True, ~again))
+        sizes = np.diff(first, append=len(corners))
+        tags = physical[first]
+        for size in np.unique(sizes[sizes > 1]).tolist():
+            at = np.flatnonzero(sizes == size)
+            own = np.sort(physical[first[at, None] + np.arange(size)], axis=1)
+            sets, which = np.unique(own, axis=0, return_inverse=True)
+            tags[at] = np.array([_joint(set(each), several) for each in sets.tolist()])[which.reshape(-1)]
+        groups.append((number, tags, corners[first]))
     return groups
 
 
-def _binary_elements(body: Section, total: int) -> list[Group]:
+def _joint(groups: set[int], several: list[tuple[int, ...]]) -> int:
+    """Return ~k for physical groups, k their place in `several`, which takes them in where they are new."""
+    key = tuple(sorted(groups))
+    if key not in several:
+        several.append(key)
+    return ~several.index(key)
+
+
+def _binary_elements(body: Section, total: int) -> list[_Elements]:
     groups = []
     done = 0
     while done < total:
@@ -152,7 +183,7 @@ def _binary_elements(body: Section, total: int) -> list[Group]:
     return groups
 
 
-def _text_elements(body: Section, total: int) -> list[Group]:
+def _text_elements(body: Section, total: int) -> list[_Elements]:
     values = body.rest()
     groups = []
     done = at = 0
@@ -197,10 +228,14 @@ def _width(first: int, number: int, tags: int) -> int:
     return first + tags + nodes_of(number)
 
 
-def _split(rows: Int, number: int, first: int, tags: int) -> tuple[Int, Int]:
-    """Return the physical tags and the node tags of rows whose tags begin at column `first`."""
-    physical = rows[:, first] if tags else np.zeros(len(rows), np.int64)
-    return physical, rows[:, -nodes_of(number) :]
+def _split(rows: Int, number: int, first: int, tags: int) -> tuple[Int, Int, Int]:
+    """Return the physical, elementary and node tags of rows whose tags begin at column `first`.
+
+    The sign of a physical tag says which way round the entity is in its group, as in MSH 4.
+    """
+    none = np.zeros(len(rows), np.int64)
+    physical, elementary = (rows[:, first + k] if k < tags else none for k in (0, 1))
+    return np.abs(physical), elementary, rows[:, -nodes_of(number) :]
 
 
 def _nodes_4(file: MshFile) -> tuple[Int, Float]:
@@ -250,11 +285,9 @@ def _entities(file: MshFile, several: list[tuple[int, ...]]) -> dict[tuple[int, 
         for _ in range(count):
             tag = int(body.ints(1)[0])
             body.floats(6 if dimension else 3)
-            groups = tuple(sorted({abs(group) for group in body.ints(body.size()).tolist()}))
+            groups = {abs(group) for group in body.ints(body.size()).tolist()}
             if dimension:
                 body.ints(body.size())
-            if len(groups) > 1 and groups not in several:
-                several.append(groups)
             if groups:
-                physical[dimension, tag] = groups[0] if len(groups) == 1 else ~several.index(groups)
+                physical[dimension, tag] = _joint(groups, several) if len(groups) > 1 else groups.pop()
     return physical

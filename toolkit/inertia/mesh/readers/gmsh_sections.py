@@ -90,6 +90,12 @@ class MshFile:
         """Return the numbers of a section that the file must have."""
         body = self.section(name)
         if body is None:
+            if name == "Nodes" and self.section("ParametricNodes") is not None:
+                raise ReadError(
+                    "its nodes have parameters ($ParametricNodes), which are read in MSH 4.1 alone: save it without "
+                    "(Mesh.SaveParametric=0), or as 4.1",
+                    code="not_read",
+                )
             raise ReadError(f"it has no section ${name}: it was cut short, export it again", code="cut_short")
         return Section(body, name, self)
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib
 import re
 from codecs import BOM_UTF8
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -22,7 +23,7 @@ from inertia.arrays import Int
 from inertia.errors import ReadError
 from inertia.mesh.part import Rounding
 from inertia.mesh.readers.abaqus import plain_input
-from inertia.mesh.readers.cells import Block, cell_contents, with_joint
+from inertia.mesh.readers.cells import Block, cell_contents, dimension_of, with_joint
 from inertia.mesh.readers.contents import UNNAMED, Contents, plural, quietly, shown, text_of, was
 from inertia.mesh.readers.decimals import rounding_of
 from inertia.mesh.readers.legacy_vtk import teach
@@ -52,13 +53,11 @@ _ALIGNED = {8: ("pixel", 9, (0, 1, 3, 2)), 11: ("voxel", 12, (0, 1, 3, 2, 4, 5, 
 """VTK's cells along the axes, whose corners run row by row: name, the kind that they are, and its order of them."""
 
 _SEVERAL = {2: "poly-vertex", 4: "poly-line", 6: "triangle strip"}
-"""VTK's cells of any number of others."""
+"""VTK's cells of any number of others, which meshio does not know."""
 
 _GHOST = 1 | 32  # of another piece, or hidden
 
 _LISTED = 5  # names of sets in a note
-
-_POLYGON = 7  # of VTK, the one kind of any size that meshio reads from lists
 
 _DECIMALS = {
     "vtk": rb"\A[^\n]*\n[^\n]*\n\s*ASCII\b",
@@ -181,60 +180,96 @@ def _meshio() -> Any:
     meshio = importlib.import_module("meshio")
     for name in _FORGOTTEN:
         meshio._mesh.topological_dimension.setdefault(name, 3)
+    for name in _SEVERAL.values():
+        meshio._mesh.topological_dimension.setdefault(name, dimension_of(name))
+    meshio.vtu._vtu._organize_cells = _vtu_cells(meshio.vtu._vtu._organize_cells)
     meshio.vtu._vtu.vtk_cells_from_data = meshio.vtk._vtk_51.vtk_cells_from_data = _vtk_cells
     meshio.xdmf.main.translate_mixed_cells = mixed_cells
     meshio.med._med._read_families = families
-    lists = meshio.vtk._vtk_42
-    lists.cells_of_meshio, lists.translate_cells = lists.translate_cells, _vtk_lists
-    teach(lists)
+    meshio.vtk._vtk_42.translate_cells = _vtk_lists
+    teach(meshio.vtk._vtk_42)
     teach(meshio.vtk._vtk_51)
     return meshio
+
+
+def _vtu_cells(known: Callable[..., Any]) -> Callable[..., Any]:
+    """Return what reads the cells of VTU once their kinds are known to be read; meshio looks for faces of polyhedra."""
+
+    def read(offsets: Int, pieces: list[dict[str, Int]], cell_data: list[dict[str, Any]]) -> Any:
+        for number in {number for piece in pieces for number in np.unique(piece["types"]).tolist()}:
+            _kind_of(number)
+        return known(offsets, pieces, cell_data)
+
+    return read
 
 
 def _vtk_cells(corners: Int, ends: Int, types: Int, cell_data: dict[str, Any]) -> Any:
     """Return meshio's cells of a VTK file, once each is known to have as many corners as its type has.
 
-    meshio takes as many corners before the end of a cell as its type needs, whoever they belong to.
+    meshio takes as many corners before the end of a cell as its type needs, whoever they belong to, and passes over
+    the types that it does not know.
     """
+    if not len(types):
+        return [], {}
     meshio = importlib.import_module("meshio")
+    ends = ends.astype(np.int64)
     sizes = np.diff(ends, prepend=0)
     for number, size in {*zip(types.tolist(), sizes.tolist(), strict=True)}:
-        if number in _ALIGNED:
-            kind, _, order = _ALIGNED[number]
-            nodes = len(order)
-        else:
-            kind = meshio._vtk_common.vtk_to_meshio_type.get(number, "")
-            nodes = meshio._common.num_nodes_per_cell.get(kind, size)
-        if size != nodes:
+        kind, nodes = _kind_of(number)
+        if nodes not in (size, None):
             raise ReadError(f"a cell of the kind {kind} has {size} nodes, not {nodes}: it is damaged, export it again")
     if int(ends[-1]) != len(corners):
         raise ReadError(f"its cells have {ends[-1]} corners, but {len(corners)} are listed: it is damaged")
     corners, types = _turned_around(corners, ends - sizes, types)
-    return meshio._vtk_common.vtk_cells_from_data(corners, ends, types, cell_data)
+    single = ~np.isin(types, [*_SEVERAL])
+    blocks: list[Any] = []
+    data: dict[str, list[Any]] = {}
+    if single.any():
+        blocks, data = meshio._vtk_common.vtk_cells_from_data(
+            corners[np.repeat(single, sizes)],
+            np.cumsum(sizes[single]),
+            types[single],
+            {name: values[single] for name, values in cell_data.items()},
+        )
+    for number, size in {*zip(types[~single].tolist(), sizes[~single].tolist(), strict=True)}:
+        at = np.flatnonzero((types == number) & (sizes == size))
+        blocks.append(meshio.CellBlock(_SEVERAL[number], corners[(ends - sizes)[at, None] + np.arange(size)]))
+        for name, values in cell_data.items():
+            data.setdefault(name, []).append(values[at])
+    return blocks, data
+
+
+def _kind_of(number: int) -> tuple[str, int | None]:
+    """Return the name of VTK's type and how many nodes it has, None for any number; refuse one that meshio does not."""
+    if number in _ALIGNED:
+        kind, _, order = _ALIGNED[number]
+        return kind, len(order)
+    if number in _SEVERAL:
+        return _SEVERAL[number], None
+    meshio = importlib.import_module("meshio")
+    kind = meshio._vtk_common.vtk_to_meshio_type.get(number, f"{number} of VTK")
+    nodes = meshio._common.num_nodes_per_cell.get(kind)
+    if nodes is None and kind != "polygon" and not kind.startswith("VTK_LAGRANGE"):
+        raise ReadError(
+            f"its cells of the kind {kind} are not read: use cells of first or second order", code="not_read"
+        )
+    return kind, nodes
 
 
 def _vtk_lists(lists: Int, types: Int, cell_data: dict[str, Any]) -> Any:
     """Return meshio's cells of a VTK file before version 5.1, whose lists of corners begin with their number."""
-    if np.isin(types, [*_ALIGNED]).any():
-        starts, at = [], 0
-        for number in types.tolist():
-            size = int(lists[at]) if at < len(lists) else -1
-            nodes = len(_ALIGNED[number][2]) if number in _ALIGNED else size
-            if size < 0 or size != nodes or at + size >= len(lists):
-                raise ReadError("its lists of corners do not agree with its CELL_TYPES: it is damaged, export it again")
-            starts.append(at + 1)
-            at += size + 1
-        lists, types = _turned_around(lists, np.array(starts), types)
-    meshio = importlib.import_module("meshio")
-    sizes = meshio.vtk._vtk_42.vtk_type_to_numnodes
-    for number in np.unique(types).tolist():
-        if number != _POLYGON and (not 0 <= number < len(sizes) or sizes[number] < 1):
-            kind = meshio._vtk_common.vtk_to_meshio_type.get(number, _SEVERAL.get(number, f"{number} of VTK"))
-            raise ReadError(
-                f"its cells of the kind {kind} are not read: use cells of first or second order, one by one",
-                code="not_read",
-            )
-    return meshio.vtk._vtk_42.cells_of_meshio(lists, types, cell_data)
+    known = importlib.import_module("meshio").vtk._vtk_42.vtk_type_to_numnodes
+    sizes = known[np.clip(types, 0, len(known) - 1)]
+    if types.max(initial=0) >= len(known) or (sizes < 1).any():  # of any number
+        at = 0
+        for k in range(len(types)):
+            sizes[k] = lists[at] if at < len(lists) else -1
+            at += 1 + max(int(sizes[k]), 0)
+    ends = np.cumsum(sizes)
+    heads = ends - sizes + np.arange(len(types))
+    if (sizes < 0).any() or sizes.sum() + len(types) != len(lists) or (lists[heads] != sizes).any():
+        raise ReadError("its lists of corners do not agree with its CELL_TYPES: it is damaged, export it again")
+    return _vtk_cells(np.delete(lists, heads), ends, types, cell_data)
 
 
 def _turned_around(corners: Int, starts: Int, types: Int) -> tuple[Int, Int]:

@@ -11,7 +11,7 @@ from pathlib import Path
 from inertia.errors import ReadError
 from inertia.mesh.readers.contents import shown, text_of
 from inertia.mesh.readers.med import check_med
-from inertia.mesh.readers.nastran import BEGIN, END
+from inertia.mesh.readers.nastran import END, begin_of
 from inertia.mesh.readers.xdmf import xdmf_cells
 
 _LINES = re.IGNORECASE | re.MULTILINE
@@ -121,13 +121,13 @@ def _vtu(data: bytes) -> int:
 
 def without_comments(data: bytes) -> bytes:
     """Return Nastran's bulk data without the comments that stand behind the fields of a line."""
-    begin = BEGIN.search(data)
+    begin = begin_of(data)
     at = begin.start() if begin else len(data)
     return data[:at] + _NASTRAN_TRAILING.sub(lambda line: line[1].rstrip(b" \t"), data[at:])
 
 
 def _nastran(data: bytes) -> int:
-    begin = BEGIN.search(data)
+    begin = begin_of(data)
     end = END.search(data, begin.end()) if begin else None
     if begin is None or end is None:
         missing = "ENDDATA" if begin else "BEGIN BULK"

@@ -17,7 +17,13 @@ from inertia.mesh.readers.contents import plural, shown, was
 from inertia.mesh.readers.nastran_cards import cards_of
 
 _LINES = re.IGNORECASE | re.MULTILINE
-BEGIN = re.compile(rb"^[ \t]*BEGIN[ \t]+BULK[^\n]*\n?", _LINES)
+_BEGIN = re.compile(rb"^[ \t]*BEGIN[ \t]+BULK[^\n]*\n?", _LINES)
+_CARDS_ALONE = re.compile(
+    rb"(?:[ \t]*(?:\$[^\n]*)?\r?\n)*"
+    rb"(?=(?:GRID|CORD[123][CRS]|PARAM|MAT\d+|P(?:SOLID|SHELL|COMP|BAR|BEAM|ROD)\w*|"
+    rb"C(?:TET|PYR|PEN|HEX|TRI|QUA|ROD|BAR|BEAM)\w*)\*?[ \t,])",
+    re.IGNORECASE,
+)
 END = re.compile(rb"^ENDDATA", _LINES)
 _NUMBER = re.compile(
     r"([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eEdD]?([-+][0-9]{1,9})|[eEdD]([0-9]{1,9}))?"
@@ -55,12 +61,17 @@ _LEFT_OUT = {
 _FIRST_ORDER = {"CTRIA6": "CTRIA3", "CQUAD8": "CQUAD4"}  # a solid of first order has the name of one of second order
 
 
+def begin_of(data: bytes) -> re.Match[bytes] | None:
+    """Return the line BEGIN BULK, or what stands before the first card of a file of cards alone, as Gmsh writes it."""
+    return _BEGIN.search(data) or _CARDS_ALONE.match(data)
+
+
 def plain_bulk_data(data: bytes, elements: frozenset[bytes]) -> tuple[bytes, list[str]]:
     """Return the grid points and `elements` of bulk data without trailing comments, a line of free fields each.
 
     With them come notes on what was left out.
     """
-    begin = BEGIN.search(data)
+    begin = begin_of(data)
     end = END.search(data, begin.end()) if begin else None
     assert begin is not None  # as the guards have found
     assert end is not None

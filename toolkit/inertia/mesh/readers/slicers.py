@@ -1,12 +1,15 @@
-"""What a slicer's settings in a 3MF archive say of its volumes, which the model itself does not.
+"""What a slicer says of the volumes in a 3MF archive, which the format does not: which are no part of the body.
 
-PrusaSlicer and those like it write the volumes of an object as one mesh, and the runs of triangles of each beside it;
-Bambu Studio and OrcaSlicer write them as the components of the object. Modifiers and supports are no part of the body.
+PrusaSlicer and those like it write the volumes of an object as one mesh, and the runs of triangles of each beside the
+model, Slic3r 1.3 into the mesh; Bambu Studio and OrcaSlicer write them as the components of the object, Cura as objects
+that have its settings among their metadata. Modifiers and supports are no part of the body.
+Source: Ultimaker, libSavitar, Scene.cpp, and Cura, 3MFWriter and resources/definitions/fdmprinter.def.json; Slic3r 1.3,
+IO/TMF.cpp.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
@@ -17,6 +20,10 @@ from inertia.mesh.readers.trimesh import parse_xml
 SETTINGS = ("model.config", "model_settings.config")
 """How the names of the files end."""
 
+ALL = 0, 10**18
+"""The first and the last triangle of a mesh that is such a volume as a whole."""
+
+_CURA = ("infill_mesh", "cutting_mesh", "support_mesh", "anti_overhang_mesh")
 _BODY = ("ModelPart", "normal_part")
 _CUT = ("NegativeVolume", "negative_part")
 
@@ -48,8 +55,18 @@ def helpers(settings: Iterable[bytes]) -> Helpers:
                 if volume.tag == "part":
                     found.components.add((name, volume.get("id", "")))
                 else:
-                    found.runs.add((name, _place(volume, "firstid"), _place(volume, "lastid")))
+                    found.runs.add((name, *run_of(volume.attrib, "firstid", "lastid")))
     return found
+
+
+def is_helper(setting: str) -> bool:
+    """Say whether a setting of Cura, where it is true of a mesh, makes that a modifier or a support."""
+    return setting.startswith("cura:") and setting.rpartition(":")[2] in _CURA
+
+
+def run_of(attributes: Mapping[str, str], first: str, last: str) -> tuple[int, int]:
+    """Return the first and the last triangle of a volume, which the attributes of these names give."""
+    return _place(attributes, first), _place(attributes, last)
 
 
 def _volumes(owner: Element) -> Iterator[tuple[Element, str]]:
@@ -62,8 +79,8 @@ def _volumes(owner: Element) -> Iterator[tuple[Element, str]]:
         yield volume, says.get("volume_type") or old
 
 
-def _place(volume: Element, name: str) -> int:
-    text = volume.get(name, "")
+def _place(attributes: Mapping[str, str], name: str) -> int:
+    text = attributes.get(name, "")
     if not text.isascii() or not text.isdigit() or len(text) > 18:
         raise ReadError(f"a slicer's settings have {shown(text)} as {name}, where a number must stand: export it again")
     return int(text)

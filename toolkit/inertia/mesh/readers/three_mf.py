@@ -1,7 +1,7 @@
 """3MF: build items place objects, which are meshes or assemblies of objects, of this model or of another.
 
 Supports and other helpers of the printer are no part of the product and are left out, as components too: what a mesh is
-its own object says, not one that is made of components (section 4), or the settings of a slicer beside the model. Items
+its own object says, not one that is made of components (section 4), or what a slicer says of it or beside it. Items
 that a slicer has marked ``printable="0"`` count: the format knows no such attribute, and to any other program they are
 items as the rest.
 Source: 3MF Consortium, "Core Specification" 1.3, sections 3 and 4, and "Production Extension" 1.1, section 4.
@@ -36,7 +36,7 @@ from inertia.mesh.readers.contents import (
 )
 from inertia.mesh.readers.decimals import rounding_of, written
 from inertia.mesh.readers.placement import Exact, Placement
-from inertia.mesh.readers.slicers import SETTINGS, helpers
+from inertia.mesh.readers.slicers import ALL, SETTINGS, helpers, is_helper, run_of
 from inertia.mesh.readers.zip import inflate
 from inertia.mesh.tree import MeshNode, unique
 from inertia.records import dataclass
@@ -44,6 +44,8 @@ from inertia.units import Unit, length_unit
 
 _UNITS = ("micron", "millimeter", "centimeter", "inch", "foot", "meter")
 _HELPERS = ("support", "solidsupport", "other")
+_MARKED = "marked"
+"""Among the types of what is left out: what a slicer calls modifier or support."""
 _UNDERSTOOD = (
     "http://schemas.microsoft.com/3dmanufacturing/core/",
     "http://schemas.microsoft.com/3dmanufacturing/production/",
@@ -70,6 +72,15 @@ class _Object:
     coordinates: list[str] = field(default_factory=list)
     corners: list[str] = field(default_factory=list)
     components: list[tuple[_Key, Placement]] = field(default_factory=list)
+    helpers: set[tuple[int, int]] = field(default_factory=set)
+    marked: int = 0
+
+    def take_out(self, helpers: set[tuple[int, int]]) -> None:
+        """Take out the runs of triangles, (first, last), that a slicer calls modifiers or supports, and count them."""
+        for first, last in sorted(helpers, reverse=True):
+            has = len(self.corners)
+            del self.corners[3 * first : 3 * (last + 1)]
+            self.marked += len(self.corners) < has
 
     @cached_property
     def mesh(self) -> tuple[Float, Int, Rounding | None]:
@@ -140,7 +151,7 @@ def _build(path: Path) -> tuple[_Package, _Model, list[tuple[_Key, Placement]], 
     """Return what a file holds, what it builds of that but for the printer's helpers, and the notes."""
     package = _Package(inflate(path, lambda name: name.endswith((".model", ".rels", *SETTINGS))))
     model = package.model(package.root)
-    marked = package.take_out_helpers()
+    package.take_out_helpers()
     counts = [package.count(key) for key, _, _ in model.items]
     built = [item for item, (triangles, _) in zip(model.items, counts, strict=True) if triangles]
     if sum(triangles for triangles, _ in counts) > EXPANDED_LIMIT:
@@ -152,6 +163,7 @@ def _build(path: Path) -> tuple[_Package, _Model, list[tuple[_Key, Placement]], 
         notes.append(f"a model in it states the unit {which}, but was read in that of the build, {model.unit.name}")
     if unbuilt := types.pop("other", 0):
         notes.append(f"{plural(unbuilt, 'object')} of the type other, which is not built, {was(unbuilt)} left out")
+    marked = types.pop(_MARKED, 0)
     if supports := types.total():
         notes.append(f"{plural(supports, 'support')} {was(supports)} left out")
     if marked:
@@ -195,15 +207,12 @@ class _Package:
             self._models[part] = _parse_model(part, self._members[part])
         return self._models[part]
 
-    def take_out_helpers(self) -> int:
-        """Take what a slicer has marked as a modifier or a support out of the build, and return how many of these."""
+    def take_out_helpers(self) -> None:
+        """Take what the settings of a slicer call a modifier or a support out of the build."""
         objects = self.model(self.root).objects
         runs, components = helpers(text for name, text in self._members.items() if name.endswith(SETTINGS))
-        marked = 0
-        for name, first, last in sorted(runs, key=lambda run: run[1], reverse=True):
-            if name in objects:
-                marked += 1
-                del objects[name].corners[3 * first : 3 * (last + 1)]
+        for name, each in objects.items():
+            each.take_out({(first, last) for owner, first, last in runs if owner == name})
         for name, inside in components:
             if (item := objects.get(name)) is not None:
                 kept = [
@@ -211,9 +220,8 @@ class _Package:
                     for key, place in item.components
                     if key[1] != inside or self.object(key).type in _HELPERS  # which is left out as it is
                 ]
-                marked += len(item.components) - len(kept)
+                item.marked += len(item.components) - len(kept)
                 item.components = kept
-        return marked
 
     @property
     def units(self) -> set[Unit]:
@@ -243,12 +251,13 @@ class _Package:
             inside = [self.count(component) for component, _ in item.components]
             self._open.pop()
             helper = not inside and item.type in _HELPERS
-            if not (item.corners or inside or helper):
+            if not (item.corners or inside or helper or item.marked):
                 raise ReadError(
                     f"object {shown(item.name or key[1])} has neither triangles nor components", code="empty"
                 )
             triangles = 0 if helper else sum(count for count, _ in inside) + len(item.corners) // 3
-            helpers = Counter([item.type]) if helper else sum((own for _, own in inside), Counter[str]())
+            marked = Counter({_MARKED: item.marked})
+            helpers = Counter([item.type]) if helper else sum((own for _, own in inside), marked)
             item.components = [each for each, (count, _) in zip(item.components, inside, strict=True) if count]
             self._counts[key] = triangles, helpers
         return self._counts[key]
@@ -273,7 +282,7 @@ def _start_parts(relations: bytes) -> list[str]:
         if attributes.get("Type", "").endswith("/3dmodel"):
             targets.append(_part_name(attributes["Target"]))
 
-    _parse(relations, start)
+    _parse(expat.ParserCreate(namespace_separator=" "), relations, start, {})
     return targets
 
 
@@ -282,11 +291,17 @@ def _parse_model(part: str, data: bytes) -> _Model:
     inside: list[_Object] = []  # the object that is being read
     core = ""
     spaces: dict[str, str] = {}
+    parser = expat.ParserCreate(namespace_separator=" ")
 
     def reference(attributes: dict[str, str]) -> tuple[_Key, Placement]:
         other = next((value for name, value in attributes.items() if name.endswith(" path")), None)
         key = part if other is None else _part_name(other), attributes["objectid"]
         return key, _placement(attributes.get("transform"))
+
+    def mark(text: str) -> None:
+        if says := text.strip():
+            parser.CharacterDataHandler = None
+            inside[0].helpers |= {ALL} if says.lower() == "true" else set()
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         nonlocal core
@@ -302,6 +317,10 @@ def _parse_model(part: str, data: bytes) -> _Model:
             model.objects[attributes["id"]] = inside[0]
         elif name == "component" and inside and space == core:
             inside[0].components.append(reference(attributes))
+        elif name == "metadata" and inside and not model.items:
+            parser.CharacterDataHandler = mark if is_helper(attributes.get("name", "")) else None
+        elif name == "volume" and inside and "slic3r" in space.lower() and attributes.get("modifier") == "1":
+            inside[0].helpers.add(run_of(attributes, "ts", "te"))
         elif name == "item" and space == core:
             model.items.append((*reference(attributes), attributes.get("printable") not in _FALSE))
         elif name == "model":
@@ -322,21 +341,24 @@ def _parse_model(part: str, data: bytes) -> _Model:
         elif name == "beamlattice":
             raise ReadError("it holds a beam lattice, which is not read: export the lattice as a mesh", code="not_read")
 
-    _parse(data, start, spaces)
+    _parse(parser, data, start, spaces)
+    for item in model.objects.values():
+        item.take_out(item.helpers)
     return model
 
 
-def _parse(data: bytes, start: Callable[[str, dict[str, str]], None], spaces: dict[str, str] | None = None) -> None:
+def _parse(
+    parser: expat.XMLParserType, data: bytes, start: Callable[[str, dict[str, str]], None], spaces: dict[str, str]
+) -> None:
     """Hand each element to `start`, once the namespaces that it declares are in `spaces`, by their prefixes."""
 
     def declare(prefix: str | None, space: str | None) -> None:
-        if spaces is not None and prefix and space:
+        if prefix and space:
             spaces[prefix] = space
 
     def no_document_type(*_: object) -> None:
         raise ReadError("it declares a document type, which 3MF forbids: export it again")
 
-    parser = expat.ParserCreate(namespace_separator=" ")
     parser.StartElementHandler = start
     parser.StartNamespaceDeclHandler = declare
     parser.StartDoctypeDeclHandler = no_document_type

@@ -1,7 +1,8 @@
 """VTU as meshio reads it: raw appended data beside the elements that they belong to, and no arrays without numbers.
 
 meshio looks for the array of each raw block by its offset while it writes new offsets, and may take one array for
-another. Source: "VTK XML Formats", docs.vtk.org.
+another. It does not know version 2, which differs from 1 in cells that are not read: polyhedra and those of Lagrange.
+Source: "VTK XML Formats", docs.vtk.org; VTK 9, IO/XML/vtkXMLUnstructuredDataReader.cxx.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from inertia.errors import ReadError
 from inertia.mesh.readers.contents import shown
 from inertia.mesh.readers.trimesh import parse_xml, xml_text
 
+_SECOND = re.compile(rb"(<VTKFile\b[^>]*?\bversion\s*=\s*[\"'])2\.[0-3](?=[\"'])")
 _APPENDED = re.compile(rb"<AppendedData\b[^>]*>")
 _RAW = re.compile(rb"\bencoding\s*=\s*[\"']raw[\"']")
 _NO_NUMBERS = re.compile(rb"<Array\b|\btype\s*=\s*[\"'](?:String|Bit)[\"']")
@@ -26,11 +28,12 @@ _ORDERS = {"LittleEndian": "<", "BigEndian": ">"}
 
 
 def plain_vtu(data: bytes) -> bytes | None:
-    """Return a VTU file without raw appended data and without arrays of strings or bits; None where it has neither."""
+    """Return a VTU file of version 1 without raw appended data and arrays of strings or bits; None where it is one."""
+    given, data = data, _SECOND.sub(rb"\g<1>1.0", data, count=1)
     tag = _APPENDED.search(data)
     is_raw = tag is not None and _RAW.search(tag[0]) is not None
     if not is_raw and not _NO_NUMBERS.search(data):
-        return None
+        return None if data == given else data
     root = parse_xml(data[: tag.end()] + b"</AppendedData></VTKFile>" if tag is not None and is_raw else data)
     for attributes in [each for name in ("FieldData", "PointData", "CellData") for each in root.iter(name)]:
         for array in list(attributes):
