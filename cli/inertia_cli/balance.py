@@ -47,6 +47,7 @@ FIELDS = {  # fields of a rotor file, by their path without numbers, and what st
     "body[0].sigma": "--sigma",
     "body[0].unit": "--unit",
     "body[0]": "",
+    "plane[0].z": "--planes",
     "plane[0].diameters": "--drill",
     "plane[0].max_depth": "--max-depth",
     "plan.time": "--time",

@@ -8,6 +8,7 @@ from typing import TypeVar
 
 from inertia.errors import REPAIR, WELD, FieldPath, InertiaError, Remedy, Sentence, Word, reworded
 
+_NUMBERED = re.compile(r"\[\d+\]")
 _BEFORE_REMEDY = re.compile(r"(?:,? or)?(?: use| with)? $")
 
 W = TypeVar("W", bound=Word)
@@ -53,7 +54,8 @@ def with_options(error: InertiaError, fields: Mapping[str, str], *, part: str = 
     Parameters
     ----------
     error : as the library raised it
-    fields : the options by the paths of the fields that they stand for; "" where nothing needs to be said
+    fields : the options by the paths of the fields that they stand for, of one of several alike that of the first, as
+        of plane[0]; "" where nothing needs to be said
     part : what stands for a file that has such fields, and need not be named as one
     """
     places = (_option(place, fields) for place in error.places if place != part)
@@ -65,4 +67,6 @@ def _option(word: W, fields: Mapping[str, str]) -> W | str:
     if not isinstance(word, FieldPath):
         return word
     path, bracket, index = (word.path, "", "") if word.path in fields else word.path.rpartition("[")
-    return f"{fields[path]}{bracket}{index}" if path in fields else word
+    if path in fields:
+        return f"{fields[path]}{bracket}{index}"
+    return fields.get(_NUMBERED.sub("[0]", word.path), word)

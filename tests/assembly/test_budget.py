@@ -523,6 +523,20 @@ def test_a_report_on_one_point_says_that_its_tensor_is_zero() -> None:
     assert "inf" not in page
 
 
+def test_long_names_stand_above_their_figures_and_fit_beside_their_bars() -> None:
+    name = 3 * "left_front_wheel_steering_actuator_housing_link_"
+    whole = budget_of(
+        {"name": name, "shape": "point", "mass": "1±0.1"}, {"name": "p", "shape": "point", "mass": "2±0.1"}
+    )
+    lines = budget_text(whole).splitlines()
+    at = lines.index(f"  {name}")
+    assert lines[at + 1].split()[:2] == ["1", "1"]
+    assert lines[lines.index(f"mass of {name}") + 1].split()[0] == "50.0"
+    assert max(len(line) for line in lines if name not in line) <= 120
+    labels = re.findall(r"<text[^>]*>([^<]*)</text>", budget_html(whole))
+    assert {len(each) for each in labels if each.startswith("mass of left")} == {28}
+
+
 def test_limits_are_on_what_the_file_names() -> None:
     point = {"name": "p", "shape": "point", "mass": "1±0.01", "at": [20, 0, 0], "allowance": 0.1}
     whole = budget_of(

@@ -386,7 +386,7 @@ def test_bodies_no_deeper_in_each_other_than_their_chords_only_touch() -> None:
     ("changes", "kind", "message"),
     [
         (
-            {"plane": [{"id": "I", "z": 95}]},
+            {"plane": [{"id": "I", "z": 95, "method": "add", "radius": 50}]},
             GeometryError,
             r"plane\[0\]\.z is 95 mm, off the rotor",
         ),
@@ -427,6 +427,21 @@ def test_a_rotor_that_cannot_be_balanced_is_refused_in_one_sentence(
         of_box(tmp_path, **changes)
     assert str(caught.value).startswith("the rotor: ")
     assert "\n" not in str(caught.value)
+
+
+def test_planes_beside_the_rotor_resolve_its_unbalance(tmp_path: Path) -> None:
+    planes = [{"id": "I", "z": -40}, {"id": "II", "z": 95}]
+    result = of_box(tmp_path, plane=planes)
+    assert [k.initial for k in result.planes] == pytest.approx(result.initial.in_planes(-0.04, 0.095))
+    says = [note for note in result.notes if "lies off the rotor" in note]
+    assert [note.partition(",")[0] for note in says] == [
+        f"plane {k['id']} at z = {k['z']} mm lies off the rotor" for k in planes
+    ]
+
+
+def test_the_axis_is_taken_as_exact_for_a_reason_that_is_true(tmp_path: Path) -> None:
+    axis = {"bearing_a": [0, 0, 0], "bearing_b": [0, 0, 100], "radial_uncertainty": 0.0}
+    assert "the axis is taken as exact, as its radial_uncertainty is 0" in of_box(tmp_path, axis=axis).notes
 
 
 def test_the_names_are_public() -> None:

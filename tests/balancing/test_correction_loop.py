@@ -268,9 +268,10 @@ def test_the_least_residual_may_take_more_places_than_what_was_asked_for(rotor, 
     assert least.worst < 0.6 * asked.worst <= 0.6 * 0.75
 
 
-def test_nothing_is_done_to_a_rotor_within_its_tolerance(rotor, case_14):
-    correction = correct([rotor], [STEEL], on_z(), case_14[0], DRILLS, permits(1000))
+def test_nothing_is_done_to_a_rotor_that_is_as_good_as_asked_for(rotor, case_14):
+    correction = correct([rotor], [STEEL], on_z(), case_14[0], DRILLS, permits(1000), aim=1.0)
     assert (correction.operations, correction.iterations, correction.within) == ((), 0, True)
+    assert correction.worst == correction.bound == pytest.approx(max(np.abs(seen(case_14[0]))) / 1000, rel=1e-9)
     assert correction.parts == (rotor,)
     assert correction.residual is case_14[0]
 
@@ -357,7 +358,7 @@ class TestWhereLimitsForbidIt:
         planes = tuple(replace(k, depth_step=0.02, angles=evenly(4, 0.4)) for k in DRILLS)
         correction = correct([rotor], [STEEL], on_z(), case_14[0], planes, permits(5))
         assert not correction.within
-        assert correction.limits_hit == ("the steps of depth and angle",)
+        assert correction.limits_hit == ("the steps of depth and the positions, as far as plans were tried",)
 
     def test_a_wall_bounds_where_no_depth_is_given(self):
         ring = round_part((90, 80), (100, 80), (100, 100), (90, 100), (90, 80))

@@ -9,7 +9,7 @@ import pytest
 from tests.balancing.corrections.workpieces import round_part
 
 from inertia.balancing.balance import balance
-from inertia.balancing.indexing import best_indexing
+from inertia.balancing.indexing import Indexing, best_indexing
 from inertia.balancing.rotor import Rotor
 from inertia.mesh.cut import block, cut
 from inertia.mesh.write import write_stl
@@ -73,3 +73,8 @@ def test_bodies_of_a_rotor_are_turned_in_their_meshes(tmp_path):
     assert worst == pytest.approx([after.indexing.as_filed, after.indexing.left], rel=1e-6)
     assert abs(after.initial.static) < 1e-6 * abs(before.initial.static) + 1e-9
     assert "two.stl turned by 180°" in after.notes[0]
+
+
+def test_turns_are_written_to_the_digits_of_their_steps():
+    turns = tuple(math.radians(k) for k in (101.25, 360 / 7, 360.0, 337.5))
+    assert Indexing(turns, 0.0, 0.0, 0.0, 1).degrees == ("101.25", "51.43", "0", "337.5")

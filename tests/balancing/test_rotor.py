@@ -212,7 +212,7 @@ def test_any_rotor_survives_a_round_trip(name: str, z: list, radius: float, angl
         ({"tolerance": {"standard": "MIL-STD-167-1"}}, "tolerance.revision is missing"),
         ({"tolerance": {"standard": "MIL-STD-167-1", "revision": "A"}}, "tolerance.grade is missing"),
         ({"tolerance": {"grade": 1, "revision": "A"}}, "tolerance.revision goes with MIL-STD-167-1 only"),
-        ({"plane": [DRILLED, KIT | {"z": 90}]}, "plane[1].z is 90, where plane[0] is too"),
+        ({"plane": [DRILLED, KIT | {"z": 90}]}, "plane[1].z is 90, where plane 'I' is too"),
         ({"plane": [DRILLED, KIT | {"id": "I"}]}, "plane[1].id is 'I', as that of plane[0]"),
         ({"plane": [DRILLED | {"method": "drill"}]}, "plane[0].method is 'drill': use one of 'add'"),
         ({"plane": [DRILLED | {"diameters": None} | {"diameters": []}]}, "plane[0].diameters has 0 entries"),

@@ -21,6 +21,7 @@ ROTOR = str(path("rotors/two_disc_rotor.toml"))
 MESH = str(path("two_disc_rotor.stl"))
 GRADED = (MESH, "--rpm", "3000", "--grade", "6.3")
 SHORT = (MESH, "--axis", "z", "--bearings", "20,280", "--planes", "90,215", "--rpm", "3000", "--grade", "6.3")
+DRILL = (*SHORT, "--drill", "8")
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
@@ -337,7 +338,7 @@ def test_a_failure_names_what_binds(capsys: pytest.CaptureFixture[str], tmp_path
         (2, [*GRADED, "--axis", "z", "--bearings", "a,b"], "is no list of numbers"),
         (2, [*GRADED, "--axis", "0,0,0", "--bearings", "20,280"], "--axis has no length"),
         (2, [MESH, "--axis", "z", "--rpm", "1", "--grade", "1"], "--axis alone leaves the shaft open"),
-        (2, [*SHORT[:6], "90,90", *SHORT[7:]], "z is 90, where plane[0] is too"),
+        (2, [*SHORT[:6], "90,90", *SHORT[7:]], "--planes is 90, where plane 'I' is too"),
         (2, [*SHORT, "--max-depth", "5"], "--max-depth is that of holes"),
         (2, [*SHORT, "--zero-mark", "0,0,1"], "--zero-mark [0.0, 0.0, 1.0] runs along the shaft"),
         (2, [*SHORT, "--chord", "-1"], "--chord is -1.0: it must not be negative"),
@@ -347,7 +348,7 @@ def test_a_failure_names_what_binds(capsys: pytest.CaptureFixture[str], tmp_path
         (1, [ROTOR, "--cut-part", "/nosuch/x.stl"], "cannot write /nosuch/x.stl"),
         (3, ["nosuch.toml"], "cannot read nosuch.toml"),
         (3, ["nosuch.stl", *SHORT[1:]], "nosuch.stl: there is no such file"),
-        (4, [*SHORT[:6], "90,400", *SHORT[7:]], "z is 400 mm, off the rotor, which goes from 0 mm to 300 mm"),
+        (4, [*DRILL[:6], "90,400", *DRILL[7:]], "--planes is 400 mm, off the rotor, which goes from 0 mm to 300 mm"),
         (4, [*SHORT, "--through", "500,0,0"], "does not go through the rotor"),
         (4, [str(path("broken/missing_face.stl")), *SHORT[1:]], "boundary loop"),
     ],
@@ -429,6 +430,12 @@ def test_what_no_rotor_could_have_is_not_proposed(
     code, _, err = run(capsys, MESH, option, value, *as_json)
     assert code == 2
     assert err.startswith(f"inertia: {says}")
+
+
+def test_planes_of_a_machine_beside_the_part_need_not_lie_on_it(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, *SHORT[:6], "-90,400", *SHORT[7:])
+    assert (code, err) == (5, "")
+    assert "plane II at z = 400 mm lies off the rotor, which goes from 0 mm to 300 mm" in " ".join(out.split())
 
 
 @pytest.mark.parametrize("stops", ["grades", "schema"])

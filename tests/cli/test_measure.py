@@ -300,3 +300,39 @@ def test_a_job_is_no_rotor(capsys: pytest.CaptureFixture[str]) -> None:
 def test_the_schema_is_the_one_in_the_documentation(capsys: pytest.CaptureFixture[str]) -> None:
     assert json.loads(run(capsys, "--schema")[1]) == json_schema()
     assert json.loads((DOCS / "job.schema.json").read_text(encoding="utf-8")) == json_schema()
+
+
+def test_work_is_printed_to_the_digits_of_the_steps(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    folder = shutil.copytree(path(jobs()[0]).parents[1], tmp_path / "samples")
+    rotor, job, certificate = folder / "rotors/two_disc_rotor.toml", folder / "jobs/two_disc_rotor.toml", "c.html"
+    text = rotor.read_text(encoding="utf-8").replace("depth_step = 0.1", "depth_step = 0.003")
+    text = text.replace("angle_step = 0.5", "angle_step = 0.03").replace("[8, 10, 12]", "[8, 10.3125]")
+    rotor.write_text(text, encoding="utf-8")
+    run(capsys, str(job), "--certificate", str(tmp_path / certificate))
+    out, works = run(capsys, str(job))[1], json.loads(run(capsys, str(job), "--json")[1])["corrections"]
+    page = (tmp_path / certificate).read_text(encoding="utf-8")
+    printed = [
+        re.findall(r"at (\d+\.\d+)°, from .*?Ø(\d+\.\d+),\s+(\d+\.\d+)\s+mm\s+deep", k, re.S) for k in (out, page)
+    ]
+    for found in printed:
+        assert [tuple(map(float, each)) for each in found] == [
+            tuple(round(work[key], 9) for key in ("job_angle_deg", "tool_diameter_mm", "depth_mm")) for work in works
+        ]
+    assert any(round(work["depth_mm"], 2) != round(work["depth_mm"], 9) for work in works)
+
+
+def test_masses_to_mount_are_printed_to_the_digits_of_their_steps_and_places(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    folder = shutil.copytree(path(jobs()[0]).parents[1], tmp_path / "samples")
+    job, table = folder / "jobs/fan.toml", folder / "jobs/fan.csv"
+    text = job.read_text(encoding="utf-8").partition('[[run]]\nid = "corrected"')[0]
+    text = text.replace("mass_step_g = 0.5", "mass_step_g = 0.0025").replace("{ count = 12 }", "{ count = 32 }")
+    job.write_text(text, encoding="utf-8")
+    lines = table.read_text(encoding="utf-8").splitlines()
+    table.write_text("\n".join(k for k in lines if not k.startswith("corrected")), encoding="utf-8")
+    out, planes = run(capsys, str(job))[1], json.loads(run(capsys, str(job), "--json")[1])["planes"]
+    for plane in planes:
+        masses = ", ".join(f"{piece['g']:.4f} g at {piece['deg']:.2f}°" for piece in plane["pieces"])
+        assert f"plane {plane['id']}: {masses}" in out
+        assert all(piece["g"] / 0.0025 == pytest.approx(round(piece["g"] / 0.0025)) for piece in plane["pieces"])

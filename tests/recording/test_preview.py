@@ -12,6 +12,7 @@ from tests.recording.test_live import killed_at, server  # noqa: F401  # a fixtu
 from inertia import Scene, simulate
 from inertia.arrays import Float
 from inertia.dynamics import observer
+from inertia.recording import entities
 from inertia.recording.preview import Preview
 from inertia.recording.provenance import scene_of
 from inertia.recording.writer import Recording
@@ -46,6 +47,17 @@ def test_every_sample_is_sent(name: str, monkeypatch: pytest.MonkeyPatch) -> Non
     assert preview.lost is None
     assert preview.reached == run.time[-1]
     assert set(run.time[1:]) <= set(np.concatenate(sent))
+
+
+@pytest.mark.parametrize("samples", [12, 300])
+def test_samples_farther_apart_than_the_motion_are_points(samples: int, tmp_path: Path) -> None:
+    whole = scene("t_handle")
+    few = replace(whole, run=replace(whole.run, samples=samples))
+    preview = Preview(few)
+    simulate(few, observer=preview.take)
+    assert preview.save(tmp_path / "part.rrd")
+    columns = Recorded(tmp_path / "part.rrd").columns[f"/{entities.PLOT_ANGULAR_VELOCITY}"]
+    assert ("SeriesPoints:markers" in columns) == ("SeriesLines:names" not in columns) == (samples == 12)
 
 
 @pytest.mark.parametrize("block", [1, 20])

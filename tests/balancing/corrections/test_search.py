@@ -212,6 +212,87 @@ class TestBruteForce:
         return True
 
 
+@pytest.mark.parametrize("number", [0, 7, 25])
+def test_of_holes_that_would_run_into_those_of_another_plane_the_next_best_are_taken(number):
+    draw = np.random.default_rng(number)
+    angles = [tuple(sorted(draw.choice(evenly(12), 4, replace=False).tolist())) for _ in range(2)]
+    planes = [
+        drilled(f"{z}", z, 100, 8, 12, max_depth=10, depth_step=5, angles=listed)
+        for z, listed in zip((100, 106), angles, strict=True)
+    ]
+    start = draw.uniform(0.1, 1) * 1.5e-3 * (draw.normal(size=2) + 1j * draw.normal(size=2)) / LIMIT
+    steps = [steps_of(k, tool, 4e-3) for k, plane in enumerate(planes) for tool in tools_of_density(plane, STEEL)]
+    levers = np.array([[0.75, 0.2], [0.25, 0.8]]) / LIMIT
+    places = Places(steps, [np.tile(-levers[:, k.plane], (len(k.settings), 1)) for k in steps], start)
+    spots = [(k, a, s) for k, a, s in itertools.product(range(4), range(4), (1, 2))]
+    ways = [
+        [way for n in range(3) for way in itertools.combinations(each, n) if places.fits(way)]
+        for each in (spots[:16], spots[16:])
+    ]
+    left = {(*one, *other): np.abs(places.rest((*one, *other))).max() for one, other in itertools.product(*ways)}
+    least = next(left[way] for way in sorted(left, key=left.get) if places.fits(way))
+    assert best_plan(places, 0.0).worst <= least * (1 + CLOSE)
+
+
+class TestFewWeights:
+    """All ways to put weights of a kit, or masses by steps, at few positions of two planes, with their stock."""
+
+    def plane(self, draw, name, z, radius):
+        """Return a plane, and what each way adds (kg m), and its number of places."""
+        angles = np.radians(15) * draw.integers(3) + np.arange(count := int(draw.integers(4, 6))) * math.tau / count
+        most = 1 + int(draw.random() < 0.15)
+        if draw.random() < 0.7:
+            masses = sorted({round(float(k), 4) for k in draw.uniform(2e-3, 15e-3, 2)})
+            stock = [None if draw.random() < 0.7 else int(draw.integers(1, 4)) for _ in masses]
+            kit = tuple(KitWeight(f"{k}", k, n) for k, n in zip(masses, stock, strict=True))
+            plane = CorrectionPlane(
+                name, z, "kit", radius, angles=tuple(angles.tolist()), kit=kit, most_per_position=most
+            )
+        else:
+            step, most = float(draw.choice([3e-3, 5e-3])), 1
+            masses, stock = [step, 2 * step], [None, None]
+            plane = CorrectionPlane(
+                name, z, "add", radius, angles=tuple(angles.tolist()), max_mass=2 * step, mass_step=step
+            )
+        each = [way for n in range(most + 1) for way in itertools.combinations_with_replacement((0, 1), n)]
+        size = np.array([sum(masses[k] for k in way) for way in each])
+        used = np.array([[way.count(k) for k in (0, 1)] for way in each])
+        which = np.array(list(itertools.product(range(len(each)), repeat=count)))
+        total = used[which].sum(axis=1)
+        which = which[(total <= [math.inf if n is None else n for n in stock]).all(axis=1)]
+        return plane, radius * size[which] @ np.exp(1j * angles), used[which].sum(axis=(1, 2))
+
+    def case(self, number):
+        """Return planes, what they do at A and B, what is there (kg m), a limit, and the least with n places."""
+        draw = np.random.default_rng(number)
+        a, b = [(-0.03, 0.25), (0.04, 0.18), (0.06, 0.25)][draw.integers(3)]
+        (one, first, n), (other, second, m) = (
+            self.plane(draw, name, z, radius) for name, z, radius in (("I", 0.01, 0.09), ("II", 0.21, 0.07))
+        )
+        levers = np.array([[(b - k.z) / (b - a) for k in (one, other)], [(k.z - a) / (b - a) for k in (one, other)]])
+        start = draw.uniform(0.1, 1.0) * 1e-3 * (draw.normal(size=2) + 1j * draw.normal(size=2))
+        limit = float(draw.choice([0.5e-4, 1e-4, 2e-4]))
+        best = np.full(n.max() + m.max() + 1, math.inf)
+        for vector, count in zip(first, n, strict=True):
+            left = start[:, None] + levers[:, :1] * vector + levers[:, 1:] * second
+            np.minimum.at(best, count + m, np.abs(left).max(axis=0) / limit)
+        return [one, other], levers, start, limit, best
+
+    @pytest.mark.parametrize("numbers", [range(k, 48, 4) for k in range(4)])
+    def test_no_way_is_better(self, numbers):
+        for number in numbers:
+            planes, levers, start, limit, best = self.case(number)
+            for aim in (AIM, 0.0):
+                goal = next((k for k in (aim, 1.0) if aim and best.min() <= k), max(best.min(), 0.002))
+                fewest = int(np.argmax(best <= goal * (1 + CLOSE)))
+                plan, _ = searched(planes, levers, start, limit=limit, aim=aim)
+                assert len(plan.spots) == fewest or goal == 0.002
+                assert plan.worst <= max(best[fewest], 0.002) * (1 + CLOSE)
+                assert plan.bound <= best[: len(plan.spots) + 1].min() * (1 + CLOSE)
+                assert plan.lowest <= best.min() * (1 + CLOSE)
+                assert plan.settled == (plan.worst > 0.002)
+
+
 class TestHolesAlongTheShaft:
     """Every plan with up to three holes in a plane, with the mass and the place along the shaft of each."""
 

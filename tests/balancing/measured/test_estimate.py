@@ -9,8 +9,13 @@ import numpy as np
 import pytest
 
 from inertia import GeometryError, UsageError
+from inertia.balancing.balance import balance
+from inertia.balancing.bounds import measured
+from inertia.balancing.measured.estimate import estimate
 from inertia.balancing.measured.job import Job
 from inertia.balancing.measured.measure import measure
+from inertia.balancing.rotor import Rotor
+from inertia.balancing.unbalance import plane_weights
 from inertia.report.measurement.document import measurement_document
 from inertia.report.measurement.html import certificate_html
 from inertia.report.measurement.text import measurement_text
@@ -268,3 +273,98 @@ def test_trial_weights_that_cancel_are_no_trial():
     assert measure(cancelling(0.9)).outcome == "pass"
     with pytest.raises(UsageError, match="2 runs cannot tell what a weight does in one plane"):
         measure(cancelling(1.0))
+
+
+# What is uncertain in the bearings, A at 20 and B at 280 mm: of planes together, not of each by itself.
+ENDS = (0.02, 0.28)
+ROTOR = str(path("rotors/two_disc_rotor.toml"))
+
+
+def lever(z):
+    """Return what bearings A and B see (2, planes) of unbalance at places z (planes,) m, by the lever rule."""
+    return np.array([ENDS[1] - np.asarray(z), np.asarray(z) - ENDS[0]]) / (ENDS[1] - ENDS[0])
+
+
+def bounds_in_bearings(result, z):
+    """Return ΔU (2,) g mm of an estimate of the planes at z (planes,) m."""
+    sources = [measured(moves, z, 0.1) for moves in result.spreads]
+    p, q = plane_weights(0.1, ENDS)
+    return np.array([1e6 * sum(k.bound(*weight) for k in sources) for weight in zip(p, q, strict=True)])
+
+
+def on_a_machine(readings, conventions=None):
+    """A job on a balancing machine whose planes are those of the rotor: readings in g mm and degrees."""
+    shown = [{"sensor": name, "amplitude": a, "phase": at} for name, (a, at) in zip(("I", "II"), readings, strict=True)]
+    return Job.from_dict(
+        {
+            "method": "balancing machine",
+            "rpm": 600,
+            "rotor": ROTOR,
+            "conventions": {"angles": "with rotation", "shows": "unbalance"} | (conventions or {}),
+            "plane": [{"id": "I"}, {"id": "II"}],
+            "run": [{"id": "only", "readings": shown}],
+        }
+    )
+
+
+@pytest.mark.parametrize("conventions", [{}, {"angles": "against rotation", "zero": 40}])
+def test_planes_of_a_machine_add_up_in_squares_in_the_bearings(conventions):
+    # 2° are more than 2 %: the worst direction is across the vectors, which are parallel.
+    result = measure(on_a_machine([(100.0, 30.0), (80.0, 30.0)], conventions))
+    each = np.array([plane.expanded for plane in result.planes])
+    assert 1e6 * each == pytest.approx(2 * np.array([100.0, 80.0]) * math.radians(2) / math.sqrt(3), rel=1e-9)
+    stated = [bounds["measurement"] for bounds in result.balance.initial.bounds_in_planes(ENDS)]
+    assert stated == pytest.approx(np.hypot(*(lever([0.09, 0.215]) * each).T), rel=1e-9)
+
+
+def test_a_machine_passes_what_squares_leave_within_the_limit():
+    # The sum of both planes' uncertainties would cover the limit in bearing B.
+    result = measure(on_a_machine([(105.1, 0.0), (105.1, 0.0)]))
+    seen = lever([0.09, 0.215]) @ [105.1, 105.1]
+    sums = lever([0.09, 0.215]) @ [1e6 * plane.expanded for plane in result.planes]
+    assert result.outcome == "pass"
+    assert seen[1] + sums[1] > 1e6 * result.balance.tolerance.permissible[1]
+
+
+def test_what_a_user_bounds_adds_up_as_it_is():
+    found = balance(Rotor.load(ROTOR), measured=[(0.09, 5e-5, 2e-6), (0.215, 5e-5j, 1e-6)])
+    stated = [bounds["measurement"] for bounds in found.initial.bounds_in_planes(ENDS)]
+    assert stated == pytest.approx(lever([0.09, 0.215]) @ [2e-6, 1e-6], rel=1e-9)
+
+
+def test_one_plane_is_as_uncertain_in_the_bearings_as_it_is():
+    result = estimate(job_of(np.array([[0.01 + 0.004j]]), np.array([SIZE]), [1.5]))
+    expected = np.abs(lever([0.09])[:, 0]) * 2e6 * result.uncertainty[0]
+    assert bounds_in_bearings(result, [0.09]) == pytest.approx(expected, rel=1e-9)
+
+
+NEAR = 1e-2 * lever([0.14, 0.16])  # sensors at the bearings, mm/s per g mm, and planes that lie near each other
+
+
+def test_planes_that_are_hardly_told_apart_are_known_together():
+    random, unbalance = np.random.default_rng(4), np.array([58.0, 58.0])
+    result = estimate(job_of(NEAR, unbalance, [4.5, 4.5]))
+    draws = np.array([estimate(job_of(NEAR, unbalance, [4.5, 4.5], random)).unbalance for _ in range(150)])
+    seen = 1e6 * draws @ lever([0.14, 0.16]).T
+    scatter = 2 * np.maximum(seen.real.std(axis=0), seen.imag.std(axis=0))
+    stated = bounds_in_bearings(result, [0.14, 0.16])
+    assert (stated > 0.95 * scatter).all()
+    assert (stated < 2.0 * scatter).all()
+    assert (stated < 0.25 * lever([0.14, 0.16]) @ (2e6 * result.uncertainty)).all()
+
+
+@pytest.mark.parametrize("trial", [1.0, 6.0])
+@pytest.mark.parametrize("kind", ["near", "apart", "overhung", "six sensors", "three planes"])
+def test_in_the_bearings_the_size_is_within_what_is_stated_as_often_as_that_says(kind, trial):
+    random = np.random.default_rng(18)
+    z = {"overhung": [0.29, 0.33], "near": [0.14, 0.16], "three planes": [0.05, 0.14, 0.22]}.get(kind, [0.09, 0.215])
+    matrix = NEAR if kind == "near" else machine(random, len(z), {"six sensors": 6, "three planes": 4}.get(kind, 2))[0]
+    unbalance = 300.0 * np.exp(2j * np.pi * random.random(len(z)))
+    true, inside, judged = np.abs(lever(z) @ unbalance), [], 60
+    for _ in range(judged):
+        result = estimate(job_of(matrix, unbalance, [5 * trial] * len(z), random))
+        if result.bounded:
+            size = np.abs(lever(z) @ (1e6 * result.unbalance))
+            inside.append(np.abs(size - true) <= bounds_in_bearings(result, z))
+    # Three standard deviations of the count aside.
+    assert len(inside) < judged / 2 or (np.mean(inside, axis=0) >= 0.95 - 3 * math.sqrt(0.05 * 0.95 / judged)).all()

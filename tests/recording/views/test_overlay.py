@@ -57,6 +57,31 @@ def test_both_bodies_turn_as_their_runs_do(tmp_path: Path) -> None:
         assert np.abs(np.abs((rotation[:, 2:] * turned).sum(axis=1)) - 1.0).max() < 1e-6
 
 
+def test_poses_are_the_model_s_at_the_nanoseconds_that_they_are_filed_under(tmp_path: Path) -> None:
+    """A third of a millisecond and 0.2 ms end between nanoseconds, or on one."""
+    file = tmp_path / "both.rrd"
+    record(spun(1e4, 1e-3 / 3.0, 4), file, other=spun(-3e4, 2e-4, 3))
+    recorded = Recorded(file)
+    (second,) = recorded.values("/__properties/timeline", "second_s").ravel()
+    for name, rate in (("first", 1e4), ("other", -3e4)):
+        half = 0.5 * rate * second * recorded.time(f"/world/{name}/body")
+        drawn = recorded.values(f"/world/{name}/body", "Transform3D:quaternion").reshape(-1, 4).astype(float)
+        zero = np.zeros_like(half)
+        exact = np.stack([zero, zero, np.sin(half), np.cos(half)], axis=1)
+        assert quaternion.angle_between(drawn, exact).max() < 1.2e-7
+
+
+def test_samples_farther_apart_than_the_motion_are_points(tmp_path: Path) -> None:
+    record(spun(1.0, 2.0, 201), tmp_path / "both.rrd", other=spun(80.0, 2.0, 201))
+    recorded = Recorded(tmp_path / "both.rrd")
+    points = {path for path, columns in recorded.columns.items() if "SeriesPoints:markers" in columns}
+    assert points == {"/plots/angle_between_runs", *(f"/plots/angular_velocity/{axis}/other" for axis in "xyz")}
+    (text,) = recorded.texts("/text/summary", "TextDocument:text")
+    first, other, *_ = text.split("\n\n")
+    assert "samples" not in first
+    assert "Samples are 0.01 s apart, in which the body may turn by 0.8 rad" in other
+
+
 def test_poses_are_near_where_the_bodies_turn_faster_than_at_their_samples(tmp_path: Path) -> None:
     """A top that falls is fast at its lowest, and slow at its samples: both run for whole numbers of nutations."""
     table: dict[str, Any] = {

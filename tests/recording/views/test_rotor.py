@@ -1,6 +1,8 @@
 """A recording of a rotor holds it as modelled and as corrected, turning slowly, with its forces and limits."""
 
 import math
+from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +17,7 @@ from inertia.balancing.rotor import Rotor
 from inertia.recording import entities
 from inertia.recording.provenance import properties_of, rotor_of
 from inertia.recording.views.rotor import TURNS, screen
-from inertia.recording.views.rotor_target import FARTHEST, verdict_bounds, write_verdict
+from inertia.recording.views.rotor_target import DIAL_BOUNDS, FARTHEST, verdict_bounds, write_verdict, write_work
 from inertia.recording.views.rotor_text import size_text
 from inertia.recording.writer import to_file
 from inertia_meshes import path
@@ -214,7 +216,7 @@ def test_the_holes_are_in_the_mesh_that_is_corrected(recording: Recorded) -> Non
         for room in (entities.AS_MODELLED, entities.CORRECTED)
     )
     assert after > before
-    assert recording.texts(f"/{entities.CORRECTED}/rotor/operations", "Points3D:labels") == ["1", "2"]
+    assert recording.texts(f"/{entities.CORRECTED}/rotor/operations/numbers", "Points3D:labels") == ["1", "2"]
     assert recording.texts(f"/{entities.WORK}/numbers", "Points2D:labels") == ["1: 210.0°", "2: 20.0°"]
     (work,) = recording.texts(f"/{entities.WORK_TEXT}", "TextDocument:text")
     assert work.splitlines()[2:] == [
@@ -269,6 +271,43 @@ def test_the_zero_mark_is_a_line_on_the_rotor(recording: Recorded) -> None:
     assert x.max() == pytest.approx(1.0)
 
 
+def beside_each_other(subject: Balance, degrees: list[float]) -> Balance:
+    """Return the rotor with its first hole at these angles in place of its work."""
+    assert subject.correction is not None
+    work = subject.correction.operations[0]
+    works = tuple(replace(work, angle=math.radians(angle)) for angle in degrees)
+    return replace(subject, correction=replace(subject.correction, operations=works))
+
+
+@pytest.mark.parametrize(
+    "degrees", [[303.5, 292.5, 303.5, 315.0], [6.0 * k for k in range(60)], [0.1 * k for k in range(9)]]
+)
+def test_names_of_places_do_not_lie_on_each_other(balanced: Balance, degrees: list[float], tmp_path: Path) -> None:
+    """A name is 0.33 high and 0.1 wide a character at most, in the least of the views that the recording has."""
+    with to_file(tmp_path / "dial.rrd", "inertia-balance", rrb.Blueprint()) as recording:
+        write_work(recording, entities.WORK, beside_each_other(balanced, degrees))
+    dial = Recorded(tmp_path / "dial.rrd")
+    names = dial.texts(f"/{entities.WORK}/numbers", "Points2D:labels")
+    places = dial.values(f"/{entities.WORK}/numbers", "Points2D:positions")[0]
+    for (a, one), (b, other) in combinations(zip(places, names, strict=True), 2):
+        assert abs(a[1] - b[1]) > 0.33 or abs(a[0] - b[0]) > 0.05 * (len(one) + len(other)), (one, other)
+    for (x, y), name in zip(places, names, strict=True):
+        assert abs(x) + 0.05 * len(name) <= DIAL_BOUNDS[0][1]
+        assert -1.5 <= y <= 1.5 - 0.33 + 0.17
+        assert abs(x) - 0.05 * len(name) >= 1.12  # beside the zero mark
+    assert {name.partition(":")[2] for name in names} == (
+        {" 303.5°", " 292.5°", " 315.0°"} if len(degrees) == 4 else {""}
+    )
+
+
+def test_places_that_are_near_each_other_have_one_number_in_space(balanced: Balance, tmp_path: Path) -> None:
+    recording = written(screen(beside_each_other(balanced, [20.0, 30.0, 200.0, 25.0])), tmp_path / "rotor.rrd")
+    path_ = f"/{entities.CORRECTED}/rotor/operations"
+    assert recording.texts(f"{path_}/numbers", "Points3D:labels") == ["1, 2, 4", "3"]
+    spots, named = (recording.values(k, "Points3D:positions")[0] for k in (path_, f"{path_}/numbers"))
+    np.testing.assert_array_equal(named, spots[[0, 2]])
+
+
 @drawable
 def test_the_viewer_shows_it_without_an_error(balanced: Balance, tmp_path: Path) -> None:
     assert errors_seen(screen(balanced), tmp_path, 0.1) == []
@@ -287,3 +326,17 @@ def test_parts_of_an_assembly_are_entities_of_their_names(tmp_path: Path) -> Non
     assert (again.indexing.turns, again.verdict) == (result.indexing.turns, result.verdict)
     assert [name for name in sections if name.startswith("source")] == ["source"]
     assert sections["source"]["path"] == "shaft_impeller.obj"
+
+
+def test_the_work_is_written_to_the_digits_of_the_steps(tmp_path: Path) -> None:
+    fine = changed(("angle_step = 0.5", "angle_step = 0.03"), ("depth_step = 0.1", "depth_step = 0.003"))
+    recording = written(screen(fine), tmp_path / "rotor.rrd")
+    (text,) = recording.texts(f"/{entities.WORK_TEXT}", "TextDocument:text")
+    labels = recording.texts(f"/{entities.WORK}/numbers", "Points2D:labels")
+    works = fine.correction.operations
+    for line, label, work in zip(text.splitlines()[2:], labels, works, strict=True):
+        angle = f"{math.degrees(work.angle):.2f}°"
+        assert f"| {angle} |" in line
+        assert label.endswith(f": {angle}")
+        assert f", {round(1e3 * work.depth, 3):g} deep" in line
+    assert any(round(1e3 * work.depth, 1) != round(1e3 * work.depth, 3) for work in works)

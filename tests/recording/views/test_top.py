@@ -89,6 +89,14 @@ def test_the_tilt_is_plotted_at_every_sample(run: Run, recording: Recorded) -> N
     assert [name.split(",")[0] for name in names] == ["energy", "vertical L", "L along the axis"]
 
 
+def test_turning_points_that_are_left_out_are_spoken_of(tmp_path: Path) -> None:
+    run = shortened("heavy_top", duration=70.0, samples=7001)
+    recording = written(screen(run), tmp_path / "run.rrd")
+    assert len(recording.time(f"/{entities.PLOT_TILT}/events")) == len(run.events) == 1000
+    (text,) = recording.texts(f"/{entities.SUMMARY}", "TextDocument:text")
+    assert "The first 1000 turning points are marked on the plot of the tilt, no later ones" in text
+
+
 def test_the_spin_is_plotted_beside_the_least_to_sleep(recording: Recorded) -> None:
     """Upright it is stable where I₃² ω₃² > 4 I₁ M g h."""
     spin, least = series(recording, f"/{entities.PLOT_SPIN}").T

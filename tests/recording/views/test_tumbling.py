@@ -1,7 +1,7 @@
 """A recording of a body that tumbles holds what was computed, named and arranged."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -134,6 +134,37 @@ def test_flips_of_a_run_with_few_samples_are_marked_where_that_spin_is_zero(tmp_
     marks = recording.values(f"/{entities.PLOT_FLIPS}", "Scalars:scalars")
     assert len(marks) == len(run.events) > 4
     assert np.abs(marks).max() < 1e-12
+
+
+@pytest.mark.parametrize("samples", [1001, 9001])
+def test_samples_farther_apart_than_the_motion_are_points_and_the_text_says_so(samples: int, tmp_path: Path) -> None:
+    table = {
+        "body": {"principal_moments": [1.0, 2.0, 3.0]},
+        "start": {"angular_velocity": [10.0, 1e4, 0.0]},
+        "run": {"duration": 100.0, "samples": samples},
+    }
+    run = simulate(Scene.from_dict(table))
+    record(run, tmp_path / "run.rrd")
+    recording = Recorded(tmp_path / "run.rrd")
+    (text,) = recording.texts(f"/{entities.SUMMARY}", "TextDocument:text")
+    assert f"Samples are {100.0 / (samples - 1):.4g} s apart, in which the body may turn by" in text
+    assert ("plots have each of them as a point" if samples == 1001 else "plots have one in 3 of them") in text
+    for plot in (entities.PLOT_ANGULAR_VELOCITY, entities.PLOT_FROM_MOMENTUM, entities.PLOT_EULER_ANGLES):
+        assert "SeriesPoints:markers" in recording.columns[f"/{plot}"]
+        assert "SeriesLines:names" not in recording.columns[f"/{plot}"]
+    plotted = recording.values(f"/{entities.PLOT_ANGULAR_VELOCITY}", "Scalars:scalars")
+    assert np.array_equal(plotted, run.angular_velocity[:: 1 if samples == 1001 else 3])
+    assert f"/{entities.FLIPS}" not in recording.columns
+    period = run.quantities["flip period"]
+    assert f"The body flips every {period:.4g} s" in text
+    assert "too many to be marked on ω and on a timeline, where up to 1000 are" in text
+
+
+def test_names_are_shown_as_they_are(tmp_path: Path) -> None:
+    name = "my_part *bold* _x_ __y `x` [a](b) # $x$ &lt; ~~y~~.toml"
+    record(simulate(replace(Scene.from_dict(scene_table("steady")), name=name)), tmp_path / "run.rrd")
+    (text,) = Recorded(tmp_path / "run.rrd").texts(f"/{entities.SUMMARY}", "TextDocument:text")
+    assert text.startswith(r"**my_part \*bold\* \_x\_ \_\_y \`x\` \[a\](b) \# \$x\$ \&lt; \~\~y\~\~.toml**: 8 s")
 
 
 def test_on_the_separatrix_the_polhode_is_the_arc_that_the_body_covers(tmp_path: Path) -> None:

@@ -1,9 +1,12 @@
 """The sample arm as text, as JSON and as a page."""
 
 import json
+from dataclasses import replace
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from tests.recording import browser
 
 import inertia
 from inertia.report.audit.document import audit_document
@@ -60,6 +63,48 @@ def test_the_page_stands_alone_and_draws_each_difference(arm: inertia.Audit) -> 
         assert len([each for each in drawing.iter() if each.get("class") == "stated"]) == 3
     assert "http" not in page.replace("http://www.w3.org", "")
     assert "<script" not in page
+
+
+LONG = "left_front_wheel_steering_actuator_housing_link_1_" * 3
+
+
+def test_a_long_name_leaves_the_figures_where_they_are(arm: inertia.Audit) -> None:
+    links = [replace(arm.links[0], name=LONG), *arm.links[1:]]
+    text = audit_text(replace(arm, links=tuple(links)))
+    before, after = (each.splitlines() for each in (audit_text(arm), text))
+    assert after[4] == LONG
+    assert [line.split() for line in after[5:]] == [
+        line.split() for line in [before[4].removeprefix("base"), *before[5:]]
+    ]
+    assert max(map(len, after[5:10])) <= max(map(len, before[4:10]))
+
+
+@pytest.mark.skipif(browser.PROGRAM is None, reason="chromium is not installed")
+@pytest.mark.parametrize("medium", ["screen", "print"])
+def test_a_long_name_takes_no_figure_off_the_sheet(arm: inertia.Audit, medium: str, tmp_path: Path) -> None:
+    links = [replace(link, name=name) for link, name in zip(arm.links, [LONG[:49], LONG], strict=False)]
+    page = tmp_path / "audit.html"
+    page.write_text(audit_html(replace(arm, links=(*links, *arm.links[2:]))), encoding="utf-8")
+    with browser.opened(page.as_uri(), tmp_path) as shown:
+        browser.until(lambda: shown.evaluate("document.querySelectorAll('.scroll table').length"))
+        shown.ask("Emulation.setEmulatedMedia", media=medium)
+        assert shown.evaluate("document.querySelector('.scroll').scrollWidth <= document.body.clientWidth")
+
+
+def test_no_ellipsoid_is_drawn_of_what_no_body_can_be(tmp_path: Path) -> None:
+    """Seen along each axis by itself, the second moments of the last tensor are positive, but not all together."""
+    for name, tensor in (("possible", "3 2.5 2 0.2 0.1 0.1"), ("unphysical", "1.2 1.3 2.2 0.5 0.3 0.3")):
+        xx, yy, zz, xy, xz, yz = (f"{1e-3 * float(value)}" for value in tensor.split())
+        (tmp_path / f"{name}.urdf").write_text(
+            f"""<robot name="r"><link name="l"><inertial><mass value="1"/>
+            <inertia ixx="{xx}" iyy="{yy}" izz="{zz}" ixy="{xy}" ixz="{xz}" iyz="{yz}"/></inertial>
+            <visual><geometry><box size="0.3 0.3 0.3"/></geometry></visual></link></robot>"""
+        )
+        robot = inertia.audit(tmp_path / f"{name}.urdf")
+        assert (robot.links[0].state == "unphysical") == (name == "unphysical")
+        page = audit_html(robot)
+        assert page.count('class="stated"') == 1 + 3 * (name == "possible")  # the legend, and each view
+        assert page.count('class="computed"') == 1 + 3
 
 
 def test_names_are_escaped() -> None:

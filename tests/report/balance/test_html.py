@@ -15,18 +15,23 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import lxml.html
+import numpy as np
 import pytest
+from tests.recording import browser
 
 from inertia.balancing.balance import balance
+from inertia.balancing.machine_angles import MachineAngles
 from inertia.balancing.measured.job import Job
 from inertia.balancing.measured.measure import measure
 from inertia.balancing.rotor import Rotor
+from inertia.balancing.shop_digits import ShopDigits
 from inertia.balancing.verdict import Verdict
 from inertia.errors import InertiaError, UsageError
 from inertia.report.balance.data import PlaneRow
 from inertia.report.balance.document import balance_csv, balance_document
 from inertia.report.balance.figures import report_data
 from inertia.report.balance.html import balance_html, save_balance_html
+from inertia.report.balance.text import balance_text
 from inertia.report.measurement.html import certificate_html
 from inertia_meshes import path
 
@@ -182,6 +187,67 @@ def test_the_shop_sheet_says_where_what_and_how_deep():
     assert first[-2:] == second[-2:] == ["", ""]
     degree = math.radians(1.0) * float(first[12]) * (280.0 - 90.0) / 260.0  # a degree moves U sideways; the lever to A
     assert float(first[16]) == pytest.approx(degree, rel=1e-3)
+
+
+FINE = """
+[[plane]]
+id = "I"
+z = 90
+method = "drill_radial"
+radius = 100
+diameters = [8, 10, 10.3125]
+angle_step = 0.03
+depth_step = 0.02
+max_depth = 20
+[[plane]]
+id = "II"
+z = 215
+method = "drill_radial"
+radius = 80
+diameters = [12, 15.875]
+angle_step = 0.03
+depth_step = 0.003
+max_depth = 25
+"""
+EXACT = "[uncertainty]\n" + "".join(f"{name} = 0\n" for name in ("radius", "z", "angle", "mass"))
+GRADE_1 = "[tolerance]\ngrade = 1"
+
+
+def test_the_work_is_printed_to_the_digits_of_the_steps():
+    data = edited(plane=FINE, tolerance=GRADE_1)
+    document, lines = page(data), balance_text(data).splitlines()
+    steps = [text(k) for k in document.findall(".//ol[@class='steps']/li")]
+    for row, step, work in zip(rows(table(document, "Operations")), steps, data.operations, strict=True):
+        angle, radius, tool, depth = row[6], row[7], row[8], row[10].partition(" ")[0]
+        assert [float(k) for k in (angle.rstrip("°"), tool, depth)] == [work.angle, work.diameter, work.depth]
+        assert f"at {angle} :" in step
+        assert f"Ø{work.diameter:g}, {depth} mm deep" in step
+        (line,) = (k for k in lines if k.startswith(f"{work.id} "))
+        assert line.split()[5:9] == [angle, radius, f"Ø{work.diameter:g}", depth]
+    assert any(round(work.angle, 1) != work.angle for work in data.operations)
+    assert any(round(work.depth, 2) != work.depth for work in data.operations)
+    labels = {k.text for k in document.iter("text")}
+    assert {f"{k}: {work.angle:.2f}°" for k, work in enumerate(data.operations, 1)} <= labels
+
+
+@pytest.mark.parametrize("grade", [1, 0.3])
+def test_masses_without_steps_are_printed_so_that_they_keep_the_verdict(grade):
+    planes = "".join(
+        f'[[plane]]\nid = "{name}"\nz = {z}\nmethod = "add"\nradius = 70\nangle_step = 0\n'
+        for name, z in (("I", 90), ("II", 215))
+    )
+    mark = "[axis]\nbearing_a = [0, 0, 20]\nbearing_b = [0, 0, 280]\nzero_mark = [1, 0.123, 0]"  # at no round angle
+    data = edited(plane=planes, tolerance=f"[tolerance]\ngrade = {grade}", uncertainty=EXACT, axis=mark)
+    left = np.array(data.initial.bearings)
+    for row in rows(table(page(data), "Operations")):
+        z, angle, radius, mass = (float(row[k].rstrip("°")) for k in (2, 6, 7, 11))
+        vector = 1e-6 * mass * radius * np.exp(1j * math.radians(angle))
+        left += vector * np.array([280 - z, z - 20]) / 260
+    bounds = np.array([sum(k.values()) for k in data.residual.bearing_bounds])
+    limits = np.array([k.permissible for k in data.bearings])
+    assert data.outcome == "pass"
+    assert (np.abs(left) + bounds <= limits).all()
+    assert np.abs(left - data.residual.bearings).max() <= 0.01 * limits.min()
 
 
 def test_the_work_is_a_list_of_numbered_steps_with_a_view_of_each_plane():
@@ -341,6 +407,68 @@ def test_many_correction_planes_have_a_table_of_their_own():
     assert [row[0] for row in grid] == [f"plane P{k}" for k in range(5)]
     assert grid[0][1] == "100.0 ∠ 0.0° 0.1389"
     assert set(columns(table(document, "Magnitude"))) == {9}
+
+
+@pytest.mark.parametrize("number", [2, 3, 4])
+def test_a_correction_that_is_resolved_anew_is_called_so(number):
+    """With more than two planes it is not what is done in each."""
+    data = case_14()
+    planes = (*data.planes, *(PlaneRow(f"P{k}", 30.0 * k, "drill_radial", 50.0) for k in range(number - 2)))
+    names = ("initial", "correction", "residual")
+    states = {name: replace(getattr(data, name), planes=(1e-4 + 0j,) * number) for name in names}
+    sheet = page(replace(data, planes=planes, **states)).get_element_by_id("figures")
+    heads = {text(k) for k in sheet.iter("th") if k.get("scope", "").startswith("col")}
+    assert ("correction planes" in heads) == (number == 2)
+    assert ("correction planes, resolved" in heads) == (number == 3)
+    assert ("correction, resolved" in heads) == (number == 4)
+    assert ("what is done in each plane is in the dials below and in the list of steps" in text(sheet)) == (number > 2)
+
+
+def tiny():
+    """Return the report of case 14 with figures as a rotor of milligrams has them."""
+    data, machine = case_14(), MachineAngles("cw")
+    figures = {"depth_tolerance": 0.002, "diameter": 0.05, "per_tenth": 4.019e-13, "per_degree": 4.887e-15}
+    works = [
+        replace(work, mass=mass, unbalance=0.4667e-6 * mass, machine_angle=machine.of(work.angle), **figures)
+        for work, mass in zip(data.operations, (9.98e-7, 1.075e-6), strict=True)
+    ]
+    bearings = tuple(replace(bearing, permissible=1.059e-13) for bearing in data.bearings)
+    digits = ShopDigits(depth=3, place=3)
+    return replace(data, operations=tuple(works), bearings=bearings, machine=machine, digits=digits)
+
+
+def test_masses_of_one_list_are_written_alike():
+    data = tiny()
+    assert [row[12] for row in rows(table(page(data), "Operations."))] == ["9.980e-07", "1.075e-06"]
+    lines = [line for line in balance_text(data).splitlines() if line.startswith(("I-1 ", "II-1 "))]
+    assert [next(k for k in line.split() if "e-" in k) for line in lines] == ["9.980e-07", "1.075e-06"]
+
+
+BROKEN = """Array.from(document.querySelectorAll('#shop td:not(.words)')).flatMap(cell => {
+    const texts = document.createTreeWalker(cell, NodeFilter.SHOW_TEXT), broken = [];
+    for (let node; node = texts.nextNode();) {
+        const range = document.createRange();
+        range.selectNodeContents(node);
+        if (node.data.trim() && range.getClientRects().length > 1) broken.push(node.data);
+    }
+    return broken;
+}).join()"""
+WIDE = """Array.from(document.querySelectorAll('#shop .wide')).every(k => k.scrollWidth <= k.clientWidth)"""
+
+
+@pytest.mark.skipif(browser.PROGRAM is None, reason="chromium is not installed")
+@pytest.mark.parametrize(("medium", "width"), [("screen", 1200), ("print", 1032)])
+@pytest.mark.parametrize("make", [case_14, tiny])
+def test_the_shop_sheet_has_room_for_every_figure_and_breaks_none(make, medium, width, tmp_path):
+    save_balance_html(make(), tmp_path / "report.html")
+    with browser.opened((tmp_path / "report.html").as_uri(), tmp_path) as shown:
+        browser.until(lambda: shown.evaluate("document.querySelectorAll('.operations').length"))
+        shown.ask("Emulation.setEmulatedMedia", media=medium)
+        shown.ask(
+            "Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False
+        )  # 1032 pixels are A4 between its margins, lengthwise
+        assert shown.evaluate(BROKEN) == ""
+        assert shown.evaluate(WIDE)
 
 
 def test_long_names_of_operations_are_wrapped_so_that_no_column_is_lost():

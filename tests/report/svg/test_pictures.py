@@ -3,6 +3,7 @@
 import math
 import re
 from dataclasses import replace
+from itertools import combinations
 from xml.etree import ElementTree
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 import inertia
 from inertia.balancing.axis.shaft import Shaft
+from inertia.balancing.shop_digits import ShopDigits
 from inertia.report.balance.data import BearingRow, OperationRow, PlaneRow
 from inertia.report.svg.canvas import Canvas, levels
 from inertia.report.svg.convention import convention
@@ -280,7 +282,7 @@ def test_the_end_view_draws_every_kind_of_work(kind):
 @pytest.mark.parametrize(("radius", "pieces"), [(20.0, 1), (100.0, 3), (318.0, 8), (319.0, 0)])
 def test_strips_are_as_long_as_the_rim(radius, pieces):
     plane = replace(PLANES[0], radius=radius)
-    strips = wrap(plane, [], lambda angle: angle)
+    strips = wrap(plane, [], lambda angle: angle, ShopDigits())
     assert len(strips) == pieces
     long = [number(styled(k, "rect", "cut")[0], "width")[0] for k in strips]
     assert sum(long) == pytest.approx(2 * math.pi * radius if pieces else 0.0, abs=0.01 * 8)
@@ -290,7 +292,7 @@ def test_strips_are_as_long_as_the_rim(radius, pieces):
 
 def test_a_hole_is_on_the_strip_where_its_angle_is_and_named_as_the_machine_counts():
     plane, work = replace(PLANES[0], radius=30.0), replace(operation("I-1", 90.0), radius=30.0)
-    (picture,) = wrap(plane, [(3, work)], lambda angle: -angle % 360.0)
+    (picture,) = wrap(plane, [(3, work)], lambda angle: -angle % 360.0, ShopDigits())
     (edge,) = styled(picture, "rect", "cut")
     (hole,) = styled(picture, "circle", "bore")
     x, radius = number(hole, "cx", "r")
@@ -305,7 +307,7 @@ def test_an_arc_is_on_the_strip_from_its_start_to_its_end(start, pieces):
     work = replace(
         operation("I-1", (start + 12.5) % 360.0), kind="mill_arc", radius=30.0, width=6.0, ends=ends, arc=25.0
     )
-    (picture,) = wrap(plane, [(3, work)], lambda angle: -angle % 360.0)
+    (picture,) = wrap(plane, [(3, work)], lambda angle: -angle % 360.0, ShopDigits())
     drawn = styled(picture, "rect", "removed")
     assert len(drawn) == pieces
     assert sum(number(k, "width")[0] for k in drawn) == pytest.approx(math.radians(25.0) * 30.0, abs=0.02)
@@ -314,6 +316,22 @@ def test_an_arc_is_on_the_strip_from_its_start_to_its_end(start, pieces):
     assert "3" in texts
     shapes = [*tree(end_view(PLANES[0], [], [(1, replace(work, depth=2.0))]))]
     assert any("removed" in k.get("class", "").split() for k in shapes)
+
+
+def test_on_a_very_small_rim_no_label_lies_on_another():
+    plane = replace(PLANES[0], radius=0.5)
+    works = [(k + 1, replace(operation(f"I-{k}", 40.0 * k), radius=0.5, diameter=0.05)) for k in range(3)]
+    arc = replace(operation("I-9", 31.5), kind="mill_arc", radius=0.5, width=0.1, ends=(10.0, 53.0), arc=43.0)
+    for some in (works, [(1, arc)]):
+        (picture,) = wrap(plane, some, lambda angle: angle, ShopDigits())
+        boxes = []
+        for label in tree(picture).iter("text"):
+            x, y, size = number(label, "x", "y", "font-size")
+            before = {"start": 0.0, "middle": 0.5, "end": 1.0}[label.get("text-anchor")]
+            boxes.append((x - before * 0.7 * size * len(label.text), y, 0.7 * size * len(label.text), size, label.text))
+        for a, b in combinations(boxes, 2):
+            apart = abs(a[1] - b[1]) >= 0.9 * max(a[3], b[3]) or a[0] + a[2] <= b[0] or b[0] + b[2] <= a[0]
+            assert apart, (a[4], b[4])
 
 
 def test_the_outline_does_not_depend_on_how_many_triangles_are_taken_at_once():

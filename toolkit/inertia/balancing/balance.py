@@ -23,10 +23,12 @@ from inertia.balancing.axis.location import Axis, rotor_axis
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.axis.tilt import Tilt, principal_tilt
 from inertia.balancing.bounds import Uncertainty
+from inertia.balancing.correction_fields import PlaneFields
 from inertia.balancing.correction_loop import Correction, correct
 from inertia.balancing.correction_planes import against, correction_planes, moved
 from inertia.balancing.corrections.correction_plane import CorrectionPlane
 from inertia.balancing.corrections.operation import Operation
+from inertia.balancing.corrections.search import AIM
 from inertia.balancing.forces import RigidLimit, axle_torque, bearing_forces, rigid_limit
 from inertia.balancing.indexing import Indexing, best_indexing
 from inertia.balancing.monte_carlo import Scatter, Term, monte_carlo
@@ -34,6 +36,7 @@ from inertia.balancing.monte_carlo_terms import operation_terms, rotor_terms
 from inertia.balancing.mounting import joint_terms, mounting_terms
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.rotor_bodies import (
+    Outline,
     RotorBody,
     density_uncertainties,
     in_unit,
@@ -44,9 +47,9 @@ from inertia.balancing.rotor_bodies import (
 )
 from inertia.balancing.tessellation_bound import surface_cut_away
 from inertia.balancing.tolerance import Planes, Tolerance, achieved_grade, allocate
-from inertia.balancing.unbalance import Unbalance
+from inertia.balancing.unbalance import Complex, Unbalance
 from inertia.balancing.verdict import Verdict, count_the_shop, judge
-from inertia.errors import GeometryError, UsageError, placed, require_kind
+from inertia.errors import FieldPath, GeometryError, UsageError, placed, require_kind
 from inertia.mass.properties import MassProperties
 from inertia.mesh.part import Part
 from inertia.records import dataclass
@@ -211,6 +214,7 @@ def balance(
     rotor: Rotor,
     *,
     measured: Sequence[tuple[float, complex, float]] | None = None,
+    measured_spreads: Sequence[Complex] = (),
     progress: Progress | None = None,
 ) -> Balance:
     """Balance a rotor.
@@ -224,6 +228,8 @@ def balance(
     rotor : what `Rotor.load` returned
     measured : the unbalance as a machine showed it, in place of that of the meshes: (z in m, vector in kg m from the
         zero mark, bound of its error in kg m) of each plane; what is cut still comes from the meshes
+    measured_spreads : sets (m, n) kg m of what one standard deviation of each of m independent inputs does to the
+        vectors of those n planes at once: twice what a set comes to in squares counts beside the bounds
     progress : called with the fraction done
 
     Raises
@@ -267,7 +273,7 @@ def balance(
     if assembled is not None:
         known = assembled.uncertainty(shaft, modelled.z)
         modelled = modelled.with_uncertainties(known) if known.modes else modelled
-    given = modelled if measured is None else as_measured(modelled, measured)
+    given = modelled if measured is None else as_measured(modelled, measured, measured_spreads)
 
     def complete(unbalance: Unbalance, cut: Sequence[Part] | None) -> Unbalance:
         """Add what densities leave uncertain."""
@@ -359,8 +365,8 @@ def _indexed(indexing: Indexing | None) -> Iterator[str]:
     if indexing is None:
         return
     turns = ", ".join(
-        f"{name} turned by {math.degrees(turn) % 360:.4g}°"
-        for name, turn in zip(indexing.names, indexing.turns, strict=True)
+        f"{name} turned by {degrees}°"
+        for name, turn, degrees in zip(indexing.names, indexing.turns, indexing.degrees, strict=True)
         if turn
     )
     count = sum(part != other for part, other in indexing.moves)
@@ -388,7 +394,9 @@ def _binding(correction: Correction | None) -> str:
     return f"what binds: {', '.join(correction.limits_hit) or 'the planes themselves, whatever is done in them'}"
 
 
-def as_measured(modelled: Unbalance, measured: Sequence[tuple[float, complex, float]]) -> Unbalance:
+def as_measured(
+    modelled: Unbalance, measured: Sequence[tuple[float, complex, float]], spreads: Sequence[Complex] = ()
+) -> Unbalance:
     """Return the unbalance that a machine showed, as `balance` takes it, on the mass and centre of mass of the meshes.
 
     Arithmetic and axis are nothing beside it; what else leaves the mass uncertain, which limits may follow, stays.
@@ -397,8 +405,10 @@ def as_measured(modelled: Unbalance, measured: Sequence[tuple[float, complex, fl
     masses = (k.of_mass_alone for k in modelled.uncertainties if k.source in of_mass and k.masses)
     bare = replace(modelled, static=0j, couple=0j, uncertainties=tuple(masses))
     shown = bare.with_vectors([(z, vector) for z, vector, _ in measured])
-    modes = tuple((complex(off), off * (z - modelled.z)) for z, _, off in measured)
-    return shown.with_uncertainties(Uncertainty("measurement", modes))
+    modes = tuple((complex(off), off * (z - modelled.z)) for z, _, off in measured if off)
+    zs = [z for z, _, _ in measured]
+    scatter = (bounds.measured(moves, zs, modelled.z) for moves in spreads)
+    return shown.with_uncertainties(Uncertainty("measurement", modes), *scatter)
 
 
 def _corrected(
@@ -419,13 +429,11 @@ def _corrected(
     if not planes:
         return None
     parts, densities, at = [body.part for body in bodies], [body.density for body in bodies], (shaft.z_a, shaft.z_b)
-    limit, asked, best, most = _aim(complete(given, None), planes, tolerance, at), rotor.fields.plan, None, -1.0
-    aim = 0.0 if asked.aim == "least" else asked.aim
+    initial, asked, best, most = complete(given, None), rotor.fields.plan, None, -1.0
+    limit = _aim(initial, planes, tolerance, at)
+    within_limit = bool((np.abs(initial.in_planes(*at)) <= limit.permissible).all())
     until = thread_time() + asked.time
-    attempts = [(lower, 0.0) for lower in _LOWER]
-    if any(plane.method == "mill_arc" for plane in planes):
-        attempts[1:1] = [(1.0, share) for share in _DEEPER]
-    for lower, deeper in attempts:
+    for aim, deeper in _attempts(asked.aim, within_limit, any(plane.method == "mill_arc" for plane in planes)):
         seconds = max(until - thread_time(), _LEAST_TIME * asked.time)
         try:
             tried = correct(
@@ -436,7 +444,7 @@ def _corrected(
                 [_no_shallower(plane, deeper) for plane in planes],
                 limit,
                 uncut=uncut,
-                aim=lower * aim,
+                aim=aim,
                 seconds=seconds,
                 sag=max(body.chord for body in bodies),
             )
@@ -445,14 +453,29 @@ def _corrected(
                 continue
             raise placed(error, rotor.name) from None
         left = _residual(tried, bodies, complete)
-        within = _scatter(rotor, left, tried.operations, tolerance, at, mounted).within or 0.0
-        if within > most:
-            best, most = tried, within
-        if not tried.operations or thread_time() > until or within >= rotor.fields.uncertainty.confidence:
+        scatter = _scatter(rotor, left, tried.operations, tolerance, at, mounted)
+        if (scatter.within or 0.0) > most:
+            best, most = tried, scatter.within or 0.0
+        if thread_time() > until or scatter.enough:
             break
-        if not deeper and (not tried.within or tried.worst > lower * aim):
+        if not deeper and (not tried.within or tried.worst > aim > 0):
             break
     return best
+
+
+def _attempts(asked: float | Literal["least"] | None, within: bool, arcs: bool) -> list[tuple[float, float]]:
+    """Return what is aimed at, one after the other until enough parts are within tolerance, and how deep arcs go then.
+
+    Parameters
+    ----------
+    asked : what is to be left at most; without it a rotor that is `within` its tolerance is left as it is at first
+    arcs : whether a plane takes them
+    """
+    aim = 0.0 if asked == "least" else asked or AIM
+    attempts = [(lower * aim, 0.0) for lower in (_LOWER if aim else _LOWER[:1])]
+    if arcs:
+        attempts[1:1] = [(aim, share) for share in _DEEPER]
+    return [(1.0, 0.0), *attempts] if asked is None and within else attempts
 
 
 def _no_shallower(plane: CorrectionPlane, share: float) -> CorrectionPlane:
@@ -526,21 +549,38 @@ def _judged(
 
 
 def _require_places(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft) -> None:
-    """Raise `GeometryError` where the axis does not go through the bodies, or a plane lies off them."""
+    """Raise `GeometryError` where the axis does not go through the bodies, or a plane with a method lies off them."""
     extent = outline(bodies, shaft)
     if not extent.goes_around:
         raise GeometryError(
             f"{rotor.name}: axis: the line through bearing_a and bearing_b does not go through the rotor, all of which "
             "lies on one side of it: give the bearing centres in the part's own axes and in the file's unit"
         )
-    metres = float(rotor.unit.metres)
     for number, plane in enumerate(rotor.fields.plane):
-        # A face whose place is written as that of the plane may differ from it by rounding.
-        near = _ROUNDED * max(abs(extent.low), abs(extent.high))
-        if not extent.low - near <= metres * plane.z <= extent.high + near:
+        if plane.method is not None and _off(rotor, plane, extent):
             raise GeometryError(
-                f"{rotor.name}: plane[{number}].z is {plane.z:g} {rotor.unit.name}, off the rotor, which goes from "
-                f"{in_unit(rotor, extent.low)} to {in_unit(rotor, extent.high)} along the shaft: move it"
+                FieldPath(f"plane[{number}].z"),
+                f" is {plane.z:g} {rotor.unit.name}, off the rotor, which goes from {in_unit(rotor, extent.low)} to "
+                f"{in_unit(rotor, extent.high)} along the shaft, and nothing can be done there: move it",
+                places=(rotor.name,),
+            )
+
+
+def _off(rotor: Rotor, plane: PlaneFields, extent: Outline) -> bool:
+    """Say whether a plane lies beyond the ends of the rotor."""
+    # A face whose place is written as that of the plane may differ from it by rounding.
+    near = _ROUNDED * max(abs(extent.low), abs(extent.high))
+    return not extent.low - near <= float(rotor.unit.metres) * plane.z <= extent.high + near
+
+
+def _beyond(rotor: Rotor, extent: Outline) -> Iterator[str]:
+    """Yield which planes lie beyond the ends of the rotor, as those of a machine on whose arbor it runs."""
+    for plane in rotor.fields.plane:
+        if _off(rotor, plane, extent):
+            yield (
+                f"plane {plane.id} at z = {plane.z:g} {rotor.unit.name} lies off the rotor, which goes from "
+                f"{in_unit(rotor, extent.low)} to {in_unit(rotor, extent.high)} along the shaft: the unbalance is only "
+                "resolved there"
             )
 
 
@@ -569,7 +609,7 @@ def _facet_notes(body: RotorBody) -> Iterator[str]:
 
 
 def _slips(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft) -> Iterator[str]:
-    """Yield what no rotor has, as it is most likely in another unit than is asked for."""
+    """Yield what no rotor has, or few, as it is most likely in another unit than is asked for."""
     for body in bodies:
         if not _LIGHT <= body.density <= _DENSE:
             yield (
@@ -583,6 +623,7 @@ def _slips(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft) -> Iterator[
             f"the bearings are {in_unit(rotor, shaft.span)} apart, on a rotor {in_unit(rotor, length)} long: give "
             "bearing_a and bearing_b, and the coordinates of bodies, in one unit"
         )
+    yield from _beyond(rotor, extent)
 
 
 def _notes(rotor: Rotor, bodies: Sequence[RotorBody], measured: bool) -> list[str]:
@@ -598,7 +639,7 @@ def _notes(rotor: Rotor, bodies: Sequence[RotorBody], measured: bool) -> list[st
     if not measured:  # of a measured rotor the facets tell nothing
         notes += [note for body in bodies for note in _facet_notes(body)]
     if not rotor.radial_uncertainty and not measured:
-        notes.append("the axis is taken as exact, as no radial_uncertainty is given")
+        notes.append("the axis is taken as exact, as its radial_uncertainty is 0")
     if rotor.fields.service.critical_rpm is None:
         notes.append("the rotor counts as rigid, as no critical_rpm is given")
     return notes

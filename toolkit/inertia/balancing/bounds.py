@@ -16,6 +16,7 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from inertia.arrays import Float
 from inertia.balancing.axis.shaft import Shaft
@@ -24,9 +25,12 @@ from inertia.mass.integrand import principal_elements
 from inertia.mass.properties import ErrorBound, MassProperties
 from inertia.records import dataclass
 
+Complex = NDArray[np.complex128]
 Source = Literal["arithmetic", "tessellation", "axis", "density", "measurement", "input"]
 
-_COVERAGE = 2.0  # the factor k of the expanded uncertainty U = k u (GUM 6.2.1) that counts as a bound
+COVERAGE = 2.0
+"""The factor k of the expanded uncertainty U = k u (GUM 6.2.1) that counts as a bound."""
+
 _NO_MODE = 1e-7  # of the largest: the root of what rounding leaves of a covariance
 _NOTHING = 1e-9  # of a change and of that of its limit
 _PER_SPAN = 1e-4  # of the bearings' distance: about what limits are per kg, so that no mode outweighs the others
@@ -42,13 +46,15 @@ class Uncertainty:
     ----------
     source : its name
     modes : pairs (g, h): how far it can move the static unbalance, kg m, and the couple, kg m², each mode by itself; of
-        the source "input" what one standard deviation of each of several independent normal numbers does
+        the source "input", and where they scatter, what one standard deviation of each of several independent normal
+        numbers does
     cause : the size of the input that the modes are in proportion to: m of chord or radius, or a relative density;
         None where no input makes it smaller
     bodies : of a rotor with several, those that it is of: for a density one for each mode; of the source "input" the
         input's name, or that of each mode
     masses : pairs (m, s): what each mode does to the mass, kg, and to its first moment along the shaft about the plane
         of the couple, kg m; empty where it does nothing to them
+    scatters : whether a measurement's modes are standard deviations, not limits
     """
 
     source: Source
@@ -56,9 +62,12 @@ class Uncertainty:
     cause: float | None = None
     bodies: tuple[str, ...] = ()
     masses: tuple[tuple[float, float], ...] = ()
+    scatters: bool = False
 
     def bound(self, p: float, q: float, share: complex = 0.0, rates: tuple[float, float] = (0.0, 0.0)) -> float:
         """Return how far p U + q D − share · limit may be off, kg m; of an input, two standard deviations.
+
+        Where modes scatter, it is twice the standard deviation in the direction in which that is largest.
 
         Parameters
         ----------
@@ -66,13 +75,15 @@ class Uncertainty:
         share : of the limit, as a vector, that p U + q D is
         rates : what the limit changes by with the mass, m, and with its first moment, a number
         """
+        if self.scatters:
+            return COVERAGE * float(worst_direction(np.array([p * g + q * h for g, h in self.modes], np.complex128)))
         masses = self.masses or ((0.0, 0.0),) * len(self.modes)
         each = (
             _apart(p * g + q * h, share * (rates[0] * m + rates[1] * s))
             for (g, h), (m, s) in zip(self.modes, masses, strict=True)
         )
         if self.source == "input":
-            return _COVERAGE * math.sqrt(math.fsum(k**2 for k in each))
+            return COVERAGE * math.sqrt(math.fsum(k**2 for k in each))
         return math.fsum(each)
 
     def about(self, shift: float) -> Uncertainty:
@@ -211,6 +222,33 @@ def propagated(name: str, covariance: Float, properties: MassProperties, shaft: 
         bodies=(name,),
         masses=tuple((m / (_PER_SPAN * shaft.span), s / _PER_SPAN) for m, s in modes[:, 4:].tolist()),
     )
+
+
+def measured(moves: Complex, zs: ArrayLike, z: float) -> Uncertainty:
+    """Return what readings leave uncertain of an unbalance, from what each input does to all planes at once.
+
+    Parameters
+    ----------
+    moves : (m, n) kg m, what one standard deviation of each of m independent inputs does to the vectors of n planes
+    zs : (n,) m, the planes
+    z : m, the plane that the couple is about
+    """
+    arms = np.asarray(zs, dtype=np.float64) - z
+    reach = float(np.abs(arms).max(initial=0.0)) or 1.0
+    static, couple = moves.sum(axis=1), moves @ (arms / reach)
+    sides = np.stack([static.real, static.imag, couple.real, couple.imag], axis=1)
+    # Four inputs do what all of them do: those along the principal axes of their covariance.
+    _, sizes, ways = np.linalg.svd(sides, full_matrices=False)
+    modes = (sizes[:, None] * ways)[sizes > _NO_MODE * sizes.max(initial=0.0)]
+    return Uncertainty(
+        "measurement", tuple((complex(a, b), reach * complex(c, d)) for a, b, c, d in modes.tolist()), scatters=True
+    )
+
+
+def worst_direction(moves: Complex) -> Float:
+    """Return the standard uncertainty of complex numbers by moves (m, ...), where its direction is the largest."""
+    spread: Float = np.sqrt(0.5 * ((np.abs(moves) ** 2).sum(axis=0) + np.abs((moves**2).sum(axis=0))))
+    return spread
 
 
 def _apart(vector: complex, follows: complex) -> float:

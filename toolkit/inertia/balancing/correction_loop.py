@@ -28,7 +28,7 @@ from inertia.balancing.corrections.masses import MassTool
 from inertia.balancing.corrections.milling import ArcCutter, FlatCutter
 from inertia.balancing.corrections.moving import improve
 from inertia.balancing.corrections.operation import Operation
-from inertia.balancing.corrections.places import Places
+from inertia.balancing.corrections.places import FINE, Places
 from inertia.balancing.corrections.room import metal, no_room, remaining_wall, rooms
 from inertia.balancing.corrections.search import AIM, SECONDS, Plan, best_plan, rank
 from inertia.balancing.corrections.sharing import Sharing
@@ -56,6 +56,7 @@ _FINER_BY = 12.0
 _NEAR = 24  # steps of setting, and of angle, to each side of a place that is mended
 _ASIDE = 6
 _DEPTHS, _DEPTHS_AT_PLACES = 5, 12  # that arcs are tried with, at free angles and at listed ones
+_ALREADY = "already within the tolerance"
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +118,7 @@ def correct(
     tolerance : what may be left in the tolerance planes
     tolerance_planes : (A, B) m; the bearings where not given
     uncut : the unbalance of the parts themselves, where it is known: it is integrated otherwise
-    aim : share of what is permissible that is to be left at most, if it can be
+    aim : share of what is permissible that is to be left at most, if it can be; 0 for the least that can be left
     seconds : how long a plan is looked for; then the best so far is taken
     sag : m, how far facets may be from the true surface; depths are counted from what the tools meet, and facets no
         farther from a plane's radius or face stand for it
@@ -132,8 +133,9 @@ def correct(
     at = list(tolerance_planes or (shaft.z_a, shaft.z_b))
     limits = np.array(tolerance.permissible)
     start = unbalance.in_many_planes(at)
-    if _worst(start, limits) <= 1:
-        return Correction((), unbalance, piece.parts, 0, (), True, (), "already within the tolerance")
+    worst = _worst(start, limits)
+    if worst <= max(aim, FINE):
+        return Correction((), unbalance, piece.parts, 0, (), True, (), _ALREADY, bound=worst, worst=worst)
     levers = np.column_stack([plane_weights(plane.z, at)[0] for plane in planes])
     import_module("scipy.optimize")  # what loading it takes is none of the time for the plan
     return _Loop(piece, tuple(planes), at, levers, limits, aim, thread_time() + seconds, sag).run(start)
@@ -190,7 +192,7 @@ class _Loop:
                 break
             gains, _ = self._gains_as_cut(steps, gains, work)
         assert best is not None
-        if found.bound > _SOME or found.fewest > 1:
+        if any(best.taken) and (found.bound > _SOME or found.fewest > 1):
             found = self._bounded_as_cut(places, best, found)
         return self._finished(best, found, found.cut_short, tuple(history))
 
@@ -258,6 +260,7 @@ class _Loop:
             bound=max(sharing.bound(number) - number * apart, 0.0),
             lowest=max(sharing.lowest - number * apart, 0.0),
             fewest=min(plan.fewest, sharing.first(1.0 + number * apart)),
+            settled=False,
         )
 
     def _steps(self, start: Complex) -> list[Steps]:
@@ -399,6 +402,9 @@ class _Loop:
         largest = " and ".join(f"{abs(k) / GRAM_MILLIMETRE:.4g}" for k in left.tolist())
         set_at = "depths and angles at the shop's steps" if solids else "masses and angles that can be set"
         why = f"{largest} g·mm left in the tolerance planes, with {set_at}"
+        if not operations and worst <= 1:
+            aim = f"{100 * self.aim:g} % of it or less" if self.aim else "less"
+            why = f"{_ALREADY}, {100 * worst:.3g} % of it; no plan was found that leaves {aim}"
         if cut_short or worst > 1:
             why += f": the best that {_proven(plan, worst, hit, cut_short)}"
         alone = math.fsum(k.mass for k in operations if k not in masses)
@@ -424,11 +430,11 @@ class _Loop:
         )
 
     def _limits_hit(self, plan: Plan, cut_short: bool) -> tuple[str, ...]:
-        if cut_short and plan.lowest <= 1:
+        if plan.lowest > 1:
+            return tuple(_bound(self.planes[k]) for k in plan.binding)
+        if cut_short:
             return ("the time that it was given",)
-        if plan.lowest <= 1:
-            return ("the steps of depth and angle",)
-        return tuple(_bound(self.planes[k]) for k in plan.binding)
+        return (_stepped(self.planes) + ("" if plan.settled else ", as far as plans were tried"),)
 
     def _operations(self, work: _Work) -> tuple[Operation, ...]:
         """Return the work plane by plane, with what was cut; weights of one kind at one place are one operation."""
@@ -502,11 +508,27 @@ def _bound(plane: CorrectionPlane) -> str:
     return which + "its forbidden sectors" if plane.forbidden else which + "its tools"
 
 
+def _stepped(planes: Sequence[CorrectionPlane]) -> str:
+    """Return what can be set in planes only so or so."""
+    steps = {
+        "depth": any(plane.cuts and plane.depth_step for plane in planes),
+        "arc": any(plane.method == "mill_arc" and plane.arc_step for plane in planes),
+        "mass": any(plane.method in ("add", "remove") and plane.mass_step for plane in planes),
+        "angle": any(plane.angles == "free" and plane.angle_step for plane in planes),
+    }
+    set_in = " and ".join(name for name, there in steps.items() if there)
+    words = ["the weights of the kit"] if any(plane.method == "kit" for plane in planes) else []
+    words += [f"the steps of {set_in}"] if set_in else []
+    words += ["the positions"] if any(plane.angles != "free" for plane in planes) else []
+    return " and ".join(words) or "the masses and angles"
+
+
 def _proven(plan: Plan, worst: float, hit: Sequence[str], cut_short: bool) -> str:
     """Return how good a plan is that is out of tolerance or was not looked for to the end, by what is proven."""
     limits = ", ".join(hit) or "these planes"
-    out_of_reach = worst > 1 and plan.lowest > 1
-    if out_of_reach and worst <= plan.lowest * (1 + _BEST):
+    lowest = plan.bound if plan.settled else plan.lowest
+    out_of_reach = worst > 1 and lowest > 1
+    if out_of_reach and worst <= lowest * (1 + _BEST):
         return f"can be done within {limits}"
     if out_of_reach:
         time = " in the time that it was given" if cut_short else ""

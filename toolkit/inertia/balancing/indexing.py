@@ -24,6 +24,7 @@ import numpy as np
 from inertia.arrays import Float, Int
 from inertia.balancing.arrangement import Answer, Choice, by_turning, sums_of
 from inertia.balancing.arrangement_program import by_program
+from inertia.balancing.shop_units import decimals_needed
 from inertia.balancing.unbalance import Complex
 from inertia.records import dataclass
 
@@ -32,6 +33,7 @@ _WRITTEN = 9  # places whose orders are written down one by one; of more, their 
 _PAIRS = 20_000_000  # that are looked at one by one
 _FEW = 1 << 14  # pairs that are looked at without a tree
 _AT_ONCE = 1 << 20
+_FINE = 0.005  # degrees, of turns that have no end of digits
 _SAME = 1e-13  # of all vectors together: sums that are no farther apart count as one
 
 
@@ -59,6 +61,12 @@ class Indexing:
     moves: tuple[tuple[str, str], ...] = ()
     planes_as_filed: tuple[complex, ...] = ()
     planes_left: tuple[complex, ...] = ()
+
+    @property
+    def degrees(self) -> tuple[str, ...]:
+        """By how many degrees each is turned, to the digits of its steps."""
+        turns = [(turn, decimals_needed(turn, _FINE)) for turn in map(math.degrees, self.turns)]
+        return tuple(f"{round(turn, decimals) % 360.0:.{decimals}f}" for turn, decimals in turns)
 
     @property
     def proven(self) -> bool:

@@ -139,6 +139,11 @@ class Scatter:
     spare: float | None = None
 
     @property
+    def enough(self) -> bool:
+        """Whether the share that was asked for is reached, with 99.9 % confidence."""
+        return self.within_range is not None and self.within_range[0] >= self.confidence
+
+    @property
     def within_text(self) -> str:
         """The share in per cent: to the digits that its distance from all takes, and no more than the draws tell."""
         if self.within is None or self.within_range is None:

@@ -157,8 +157,9 @@ def _shared(name: str, work: Operation) -> str:
 def _of_source(uncertainty: Uncertainty, p: Float, q: Float, bound: Complex) -> list[Term]:
     cause = uncertainty.cause
     masses = uncertainty.masses or ((0.0, 0.0),) * len(uncertainty.modes)
-    if uncertainty.source == "input":
-        labels = uncertainty.bodies if len(uncertainty.bodies) > 1 else uncertainty.bodies * len(uncertainty.modes)
+    if uncertainty.source == "input" or uncertainty.scatters:
+        labels = uncertainty.bodies or (uncertainty.source,)
+        labels = labels if len(labels) > 1 else labels * len(uncertainty.modes)
         return [
             Term(name, "normal", 1.0, vectors, 1.0, "its u", mass)
             for name, vectors, mass in zip(labels, _in_planes(uncertainty.modes, p, q), masses, strict=True)

@@ -289,7 +289,8 @@ class Rotor(Document):
                 if self._metres * abs(plane.z - other.z) <= _SAME * shaft.span:
                     raise FieldError(
                         f"plane[{k}].z",
-                        f"is {plane.z:g}, where plane[{j}] is too: a couple takes planes that lie apart, move one",
+                        f"is {plane.z:g}, where plane {other.id!r} is too: a couple takes planes that lie apart, move "
+                        "one",
                     )
 
 

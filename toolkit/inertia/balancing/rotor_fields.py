@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from inertia.arrays import Float
 from inertia.balancing.correction_fields import EvenAngles, KeyFields, PlaneFields, listed_angles
-from inertia.balancing.corrections.search import AIM, SECONDS
+from inertia.balancing.corrections.search import SECONDS
 from inertia.balancing.standards import CATEGORIES, FORMER, GRADE, STANDARDS
 from inertia.documents import (
     FieldError,
@@ -399,13 +399,14 @@ class PlanFields(Section):
     Attributes
     ----------
     aim : what is to be left at most, as a share of what is permissible less what is uncertain, if it can be; "least"
-        for the least that the steps of the shop allow, whatever number of operations that takes
+        for the least that the steps of the shop allow, whatever number of operations that takes; 0.75 without it, of
+        rotors that are out of tolerance, or of which too few parts are within it
     time : how long a plan is looked for; then the best so far is taken
     """
 
     section: ClassVar[str] = "plan"
 
-    aim: Annotated[float | Literal["least"], _AIM] = AIM
+    aim: Annotated[float | Literal["least"] | None, _AIM] = None
     time: Annotated[float, number("s", positive=True)] = SECONDS
 
 

@@ -20,6 +20,9 @@ OUNCE_INCH = 28.349523125e-3 * INCH
 POUND = 0.45359237
 """kg in a pound."""
 
+_MOST = 6  # decimals: a nanometre, a millionth of a degree, a microgram
+_ROUNDING = 1e-9  # of a figure in its unit: what conversions leave of it
+
 
 def in_gmm(unbalance: complex) -> float:
     """Return the magnitude of an unbalance (kg m) in g·mm.
@@ -48,3 +51,24 @@ def angular_speed(rpm: float) -> float:
     314.159265
     """
     return rpm * math.pi / 30.0
+
+
+def decimals_needed(value: float, within: float = math.inf) -> int:
+    """Return with how many decimals a figure is printed, six at most.
+
+    Parameters
+    ----------
+    value : the figure
+    within : where it has no end, by how much it may be off as printed, in its unit
+
+    >>> decimals_needed(12.775), decimals_needed(0.018 * 25.4), decimals_needed(90.0)
+    (3, 4, 0)
+    >>> decimals_needed(360 / 7), decimals_needed(360 / 7, within=0.01)
+    (0, 2)
+    """
+    for decimals in range(_MOST + 1):
+        if abs(round(value, decimals) - value) <= _ROUNDING * max(1.0, abs(value)):
+            return decimals
+    if within == math.inf:
+        return 0
+    return min(_MOST, max(0, math.ceil(-math.log10(2.0 * within)))) if within > 0 else _MOST

@@ -15,7 +15,8 @@ from inertia.dynamics.run import Run
 from inertia.errors import GeometryError, InertiaError
 from inertia.recording import entities
 from inertia.recording.drawing import thinned
-from inertia.recording.summary import figure
+from inertia.recording.sampling import points_note
+from inertia.recording.summary import figure, sentence
 from inertia.recording.writer import Recording, blocks
 from inertia.records import dataclass
 
@@ -39,8 +40,10 @@ _NEAREST = 2e-9  # s between two rows that nanoseconds tell apart
 _PREFIXES = {-3: "ms", -6: "µs", -9: "ns", -12: "ps", -15: "fs"}
 _SLENDER = 0.05  # of the middle moment: a body with less about its long axis is a needle
 _SINGLE = 2.0**-23  # rad: twice the length of what rounding to float32 adds to a quaternion
+_LATE = 0.1 * _SINGLE  # rad that a body may turn between a sample and the nanosecond that it is shown at
+_ON_TIME, _ULP = 1e-4, 2.0**-52  # of a nanosecond of the timeline, and of an instant: less is rounding
 _FLASHES = 12.0  # at most, of a stroboscope
-_SLACK = 1.01  # times `NEAR`, up to which poses are near each other
+_SLACK = 1.02  # times `NEAR`, up to which poses are near each other: nanoseconds part them by up to a hundredth more
 _JOINED = 1.0  # rad between two poses, beyond which no line is drawn from one to the next
 
 
@@ -51,7 +54,7 @@ class Playback:
     Attributes
     ----------
     speed : seconds of the run in a second of playback
-    frames : (m,) s, the instants shown
+    frames : (m,) s, the instants shown: whole nanoseconds of the timeline
     near : how many of them, from the first on, are so near each other that they show the motion
     notes : sentences
     second : s of the run that a second on the timeline stands for
@@ -142,7 +145,7 @@ def _instants(time: Float, known: Float, count: Float, end: float) -> Float:
 
 
 def _on_timeline(play: Playback, time: Float) -> Playback:
-    """Say the pace, and scale time where nanoseconds in 64 bits do not suit it."""
+    """Say the pace, scale time where nanoseconds in 64 bits do not suit it, and show only what these count."""
     nearest = min(float(np.diff(each).min()) for each in (time, play.frames))
     power = scale_of(nearest, float(time[-1]))
     second = 10.0**power
@@ -155,7 +158,22 @@ def _on_timeline(play: Playback, time: Float) -> Playback:
     if power:
         notes = (f"on the timeline 1 s is {_named(power)} of the run", *notes)
     loop = None if play.loop is None else (play.loop[0] / second, play.loop[1] / second)
-    return replace(play, notes=notes, second=second, end=float(time[-1]) / second, loop=loop)
+    frames = to_ticks(play.frames, second)
+    return replace(play, frames=frames, notes=notes, second=second, end=float(time[-1]) / second, loop=loop)
+
+
+def to_ticks(time: Float, second: float) -> Float:
+    """Return instants (m,) s that ascend, moved to whole nanoseconds of a timeline on which a second is `second` s.
+
+    The last is never later than it was: a run ends there. What is off by rounding alone stays.
+
+    >>> to_ticks(np.array([0.0, 0.4e-9, 2.6e-9, 5.7e-9]), 1.0).tolist()
+    [0.0, 0.0, 3e-09, 5e-09]
+    """
+    ticks = time / (1e-9 * second)
+    number, rounding = np.round(ticks), np.maximum(_ON_TIME, _ULP * np.abs(ticks))
+    number[-1] -= number[-1] - ticks[-1] > rounding[-1]
+    return np.where(np.abs(number - ticks) <= rounding, time, 1e-9 * second * number)
 
 
 def scale_of(nearest: float, last: float) -> int:
@@ -187,7 +205,7 @@ class Frames:
     angular_momentum : (m, 3) kg m²/s, space axes
     position : (m, 3) m, the centre of mass in space; None where it stays
     series : (m, …), the quantities of the run that go with time
-    note : how many poses are drawn, and to how many rad
+    note : how many poses are drawn, and to how many rad; that samples are plotted as points, where they are
     """
 
     play: Playback
@@ -269,13 +287,15 @@ def frames_followed(run: Run, fastest: Callable[[Run], float]) -> Frames:
             near=len(rows) if turned < _JOINED else 0,
             notes=(*play.notes, "the run could not be followed between its samples: only these are shown"),
         )
+    points = points_note(run)
     error, run = max(run.error.reached, shown.error.reached), shown
+    error += _SINGLE + float(_turned_late(run, rows, to_ticks(play.frames, play.second)).max())
     attitude = run.attitude[rows]
     of_loop = f"of the first {play.near} " if 0 < play.near < len(rows) else ""
     note = (
-        f"{len(rows)} poses are drawn, each as the model has it, to {figure(error + _SINGLE)} rad in single precision; "
+        f"{len(rows)} poses are drawn, each as the model has it, to {figure(error)} rad in single precision; "
         f"from one to the next {of_loop}the body turns by {_largest_turn(attitude[: play.near or None]):.2g} rad at "
-        "most, and the viewer shows nothing between them"
+        f"most, and the viewer shows nothing between them{points and f'. {sentence(points)}'}"
     )
     return Frames(
         play=play,
@@ -290,11 +310,17 @@ def frames_followed(run: Run, fastest: Callable[[Run], float]) -> Frames:
 
 
 def _posed(run: Run, instants: Float) -> tuple[Run, Int]:
-    """Return a run that has samples at instants (m,) s, and their rows (m,): the run itself where it has them."""
-    rows = np.minimum(np.searchsorted(run.time, instants), len(run.time) - 1)
-    if np.array_equal(run.time[rows], instants):
+    """Return a run that has samples at instants (m,) s, and their rows (m,): the run itself where it has them, or has
+    them so near that the body turns by `_LATE` at most in between."""
+    rows = np.searchsorted(0.5 * (run.time[1:] + run.time[:-1]), instants)
+    if (_turned_late(run, rows, instants) <= _LATE).all():
         return run, rows
     return run.at(instants), np.arange(len(instants))
+
+
+def _turned_late(run: Run, rows: Int, instants: Float) -> Float:
+    """Return by how many rad (m,) the body of a run turns from its samples `rows` (m,) to instants (m,) s."""
+    return np.asarray(np.linalg.norm(run.angular_velocity[rows], axis=1) * np.abs(run.time[rows] - instants))
 
 
 def turning_of(run: Run) -> tuple[Float, Float]:

@@ -17,6 +17,7 @@ from inertia import __version__
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.deforming.jointed_body import JointedBody
+from inertia.dynamics.plots.subject import is_coarse
 from inertia.dynamics.scene.document import Scene
 from inertia.errors import InertiaError, visible
 from inertia.recording import entities
@@ -26,7 +27,7 @@ from inertia.recording.live import ViewerError, to_viewer
 from inertia.recording.playback import scale_of
 from inertia.recording.provenance import of_scene
 from inertia.recording.screen import eye, following, plot, space_view, text_view
-from inertia.recording.summary import sentence
+from inertia.recording.summary import markdown, sentence
 from inertia.recording.writer import Recording, to_file
 
 if TYPE_CHECKING:
@@ -110,9 +111,13 @@ class Preview:
         return np.eye(3) if body.deforms else body.axes
 
     @property
+    def _apart(self) -> float:
+        """Seconds from one sample to the next."""
+        return self._scene.run.duration / max(self._scene.run.samples - 1, 1)
+
+    @property
     def _second(self) -> float:
-        run = self._scene.run
-        return float(10.0 ** scale_of(run.duration / max(run.samples - 1, 1), run.duration))
+        return float(10.0 ** scale_of(self._apart, self._scene.run.duration))
 
     def _begin(self, recording: Recording) -> None:
         """Write what does not move."""
@@ -126,13 +131,16 @@ class Preview:
         write_text(recording, self._text("Poses are shown as they are computed; the finished screen follows them."))
         assembly = self._scene.body.assembly if self._scene.body.deforms else None
         place = self._rigid(recording) if assembly is None else self._jointed(recording, assembly)
+        joined = not is_coarse(np.array([0.0, self._apart]), self._scene.start.angular_velocity[None])
 
         def write(samples: _Samples) -> None:
             time, attitude, omega = samples
             place(time, attitude)
             names = [f"ω{axis}, rad/s" for axis in ("xyz" if self._scene.body.deforms else "123")]
             along = omega @ self._axes
-            recording.scalars(entities.PLOT_ANGULAR_VELOCITY, time, lambda rows: along[rows], names, COLORS[:3])
+            recording.scalars(
+                entities.PLOT_ANGULAR_VELOCITY, time, lambda rows: along[rows], names, COLORS[:3], joined=joined
+            )
 
         self._write = write
 
@@ -196,5 +204,5 @@ class Preview:
 
     def _end_of(self, error: BaseException) -> str:
         """Say how the run ended, and what there is of it."""
-        why = sentence(str(error)) if isinstance(error, InertiaError) else "The run was interrupted."
+        why = markdown(sentence(str(error))) if isinstance(error, InertiaError) else "The run was interrupted."
         return f"{why} These are the poses of the first {self.reached:.4g} of {self._scene.run.duration:g} s."

@@ -15,6 +15,7 @@ from inertia.dynamics.run import Invariant, Run
 from inertia.errors import InertiaError
 from inertia.recording import entities
 from inertia.recording.drawing import COLORS
+from inertia.recording.sampling import write_series
 from inertia.recording.summary import figure, symbol
 from inertia.recording.writer import Recording, blocks
 
@@ -24,9 +25,10 @@ _LEAST = 1e-16  # unit of drifts, about one rounding
 
 def write_angular_velocity(recording: Recording, run: Run, axes: Float) -> None:
     """Write ω at every sample, along axes (3, 3) whose columns are in part axes."""
-    recording.scalars(
+    write_series(
+        recording,
         entities.PLOT_ANGULAR_VELOCITY,
-        run.time,
+        run,
         lambda rows: run.angular_velocity[rows] @ axes,
         ["ω1, rad/s", "ω2, rad/s", "ω3, rad/s"],
         COLORS[:3],
@@ -42,18 +44,16 @@ def write_angles_from_momentum(recording: Recording, run: Run, axes: Float) -> N
         others = np.stack([np.linalg.norm(np.delete(along, k, axis=1), axis=1) for k in range(3)], axis=1)
         return np.asarray(np.arctan2(others, along))
 
-    recording.scalars(entities.PLOT_FROM_MOMENTUM, run.time, angles, names, COLORS[2::-1])
+    write_series(recording, entities.PLOT_FROM_MOMENTUM, run, angles, names, COLORS[2::-1])
 
 
 def write_euler_angles(recording: Recording, run: Run) -> None:
-    """Write the z-x-z angles at every sample, φ and ψ in −π…π.
-
-    As lines, which a viewer thins where they are dense: points it draws one by one, for seconds.
-    """
+    """Write the z-x-z angles at every sample, φ and ψ in −π…π."""
     names = ["φ, rad", "θ, rad", "ψ, rad"]
-    recording.scalars(
+    write_series(
+        recording,
         entities.PLOT_EULER_ANGLES,
-        run.time,
+        run,
         lambda rows: to_angles(run.attitude[rows], "z-x-z"),
         names,
         COLORS[:3],
@@ -79,7 +79,7 @@ def write_events(recording: Recording, path: str, run: Run, name: str, values: C
 
 def write_energy(recording: Recording, run: Run) -> None:
     """Write the energy at every sample."""
-    recording.scalars(entities.PLOT_ENERGY, run.time, lambda rows: run.energy[rows, None], ["energy, J"], COLORS[3:4])
+    write_series(recording, entities.PLOT_ENERGY, run, lambda rows: run.energy[rows, None], ["energy, J"], COLORS[3:4])
 
 
 def drift_unit(run: Run) -> float:
@@ -98,7 +98,7 @@ def write_drift(recording: Recording, run: Run) -> None:
 
     names = [f"{symbol(name)}, {figure(drift_unit(run))}" for name in run.invariants]
     colors = [COLORS[(3 + k) % len(COLORS)] for k in range(len(invariants))]
-    recording.scalars(entities.PLOT_DRIFT, run.time, drifts, names, colors)
+    write_series(recording, entities.PLOT_DRIFT, run, drifts, names, colors)
 
 
 def _change(invariant: Invariant, rows: slice) -> Float:

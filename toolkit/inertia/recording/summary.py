@@ -13,6 +13,7 @@ from inertia.arrays import Float
 from inertia.dynamics.run import Run
 from inertia.errors import visible
 
+_MARKS = r"[\\`\[\]<>|*~&#$]|(?<![^\W_])_|_(?![^\W_])"  # of Markdown; _ between letters is none
 _ZERO = 1e-12  # of the largest component: what is less is rounding
 
 
@@ -33,12 +34,12 @@ def title(run: Run) -> str:
 
 
 def markdown(name: str) -> str:
-    r"""Return a name as Markdown shows it: no link, picture, tag or cell of a table begins in it.
+    r"""Return a text from outside, as a name, for Markdown to show as it is: nothing in it is a mark.
 
-    >>> print(markdown("![x](https://example.org/x.png)|<b>"))
-    !\[x\](https://example.org/x.png)\|\<b\>
+    >>> print(markdown("![x](https://example.org/x.png)|<b> *a* _b_ a_b &lt;"))
+    !\[x\](https://example.org/x.png)\|\<b\> \*a\* \_b\_ a_b \&lt;
     """
-    return re.sub(r"[\\`\[\]<>|]", r"\\\g<0>", visible(name))
+    return re.sub(_MARKS, r"\\\g<0>", visible(name))
 
 
 def listed(values: Float) -> str:
@@ -89,7 +90,7 @@ def _body(run: Run) -> str:
 
 
 def _model(run: Run) -> str:
-    return f"**Model: {run.model}.** {' '.join([*run.why, *map(sentence, run.remarks)])}"
+    return f"**Model: {run.model}.** {markdown(' '.join([*run.why, *map(sentence, run.remarks)]))}"
 
 
 def _accuracy(run: Run) -> str:
@@ -97,7 +98,7 @@ def _accuracy(run: Run) -> str:
     drifts = ", ".join(f"{symbol(name)} {_kept(each.largest_relative_drift)}" for name, each in run.invariants.items())
     return (
         f"**Accuracy: {figure(error.reached)} rad** of attitude, {figure(error.requested)} rad asked for. "
-        f"{sentence(error.method)}{f' Kept: {drifts}.' if drifts else ''}"
+        f"{markdown(sentence(error.method))}{f' Kept: {drifts}.' if drifts else ''}"
     )
 
 
@@ -106,9 +107,9 @@ def _kept(drift: float) -> str:
 
 
 def _notes(run: Run, notes: Iterable[str]) -> Iterator[str]:
-    yield f"**On the screen.** {' '.join(map(sentence, notes))}"
+    yield f"**On the screen.** {markdown(' '.join(map(sentence, notes)))}"
     for warning in run.warnings:
-        yield f"**Note.** {sentence(warning)}"
+        yield f"**Note.** {markdown(sentence(warning))}"
 
 
 def sentence(text: str) -> str:

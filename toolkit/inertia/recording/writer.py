@@ -75,8 +75,13 @@ class Recording:
         values: Callable[[slice], Float],
         names: Sequence[str],
         colors: Sequence[Sequence[int]],
+        *,
+        joined: bool = True,
     ) -> None:
-        """Write series of numbers: `values` returns (k, len(names)) for a block; each name ends in its unit."""
+        """Write series of numbers: `values` returns (k, len(names)) for a block; each name ends in its unit.
+
+        They are drawn as lines, or as points that are not joined.
+        """
         import rerun as rr
 
         def columns(block: slice) -> Any:
@@ -84,11 +89,13 @@ class Recording:
             return rr.Scalars.columns(scalars=rows.ravel()).partition(np.full(len(rows), len(names)))
 
         extremes = rr.components.AggregationPolicy.MinMax  # a mean of several samples would cut the tops off
-        some = values(slice(None, None, max(1, len(time) // _LOOKED_AT)))
-        lines = rr.SeriesLines(
-            names=list(names), colors=list(colors), widths=line_widths(some), aggregation_policy=extremes
-        )
-        self.static(path, lines)
+        widths = line_widths(values(slice(None, None, max(1, len(time) // _LOOKED_AT))))
+        look: dict[str, Any] = {"names": list(names), "colors": list(colors)}
+        if joined:
+            self.static(path, rr.SeriesLines(**look, widths=widths, aggregation_policy=extremes))
+        else:
+            sizes = [0.5 * (_NARROW + width) for width in widths]
+            self.static(path, rr.SeriesPoints(**look, markers=["circle"] * len(names), marker_sizes=sizes))
         self.columns(path, time, columns)
 
     def properties(self, name: str, values: Mapping[str, Any]) -> None:

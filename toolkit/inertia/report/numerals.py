@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator, Sequence
 
 from inertia.errors import visible
 
@@ -12,6 +12,7 @@ LABEL = 18
 """Width of the column of labels."""
 WIDTH = 120
 """Width of a line."""
+_LONGEST = 48  # characters of a name that stands beside its figures
 _MOST = 9  # decimals that are read with ease
 
 
@@ -48,13 +49,19 @@ def decimals_of(scale: float, least: int = 3, digits: int = 4) -> int:
     return max(least, digits - 1 - math.floor(math.log10(scale))) if scale > 0 else least
 
 
-def grams(mass: float) -> str:
-    """Return a mass that has to be weighed or taken off, g: three decimals, or four digits below 0.1 g.
+def grams(mass: float, least: int = 3, smallest: float = math.inf) -> str:
+    """Return a mass that has to be weighed or taken off, g: three decimals or more, or four digits below 0.1 g.
+
+    It is in powers of ten where it would have too many decimals, or the smallest mass of its list.
 
     >>> grams(21.9361), grams(0.000012345), grams(0.0)
     ('21.936', '0.00001235', '0.000')
+    >>> grams(9.98e-7), grams(1.075e-6), grams(1.075e-6, smallest=9.98e-7)
+    ('9.980e-07', '0.000001075', '1.075e-06')
     """
-    return scaled(mass, decimals_of(mass)) if 0 < mass < 0.1 else fixed(mass, 3)
+    if decimals_of(min(mass, smallest)) > _MOST:
+        return f"{mass:.3e}"
+    return scaled(mass, decimals_of(mass, max(3, least))) if 0 < mass < 0.1 else fixed(mass, max(3, least))
 
 
 def direction(degrees: float, decimals: int = 1) -> str:
@@ -99,6 +106,29 @@ def wrapped(label: str, sentence: str) -> Iterator[str]:
     """Yield the lines of a sentence beside a label."""
     for k, line in enumerate(textwrap.wrap(sentence, WIDTH - LABEL, break_long_words=False)):
         yield row("" if k else label, line)
+
+
+def table(rows: Sequence[Sequence[str]], left: Container[int] = (0,)) -> Iterator[str]:
+    """Yield rows of as many cells as lines, the columns `left` to the left and the others to the right.
+
+    What is long in the first column, as a name, stands on a line of its own, above the rest of its row.
+
+    >>> print(*table([("part", "kg"), ("bolt", "0.1"), (50 * "x", "12")]), sep="\\n")
+    part   kg
+    bolt  0.1
+    xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx
+           12
+    """
+    short = [each if len(each[0]) <= _LONGEST else ("", *each[1:]) for each in rows]
+    widths = [max(map(len, column)) for column in zip(*short, strict=True)]
+    for each, shown in zip(rows, short, strict=True):
+        if len(each[0]) > _LONGEST:
+            yield each[0]
+        cells = (
+            cell.ljust(width) if k in left else cell.rjust(width)
+            for k, (cell, width) in enumerate(zip(shown, widths, strict=True))
+        )
+        yield "  ".join(cells).rstrip()
 
 
 def number(value: float, more: int = 0) -> str:

@@ -172,15 +172,26 @@ def _classes(steps: Sequence[Steps]) -> _Classes:
 
 
 def _of_weights(steps: Sequence[Steps], along: Sequence[Complex], enough: float) -> Float:
-    values = []
+    most, values, best = steps[0].tool.plane.most_per_position, [], np.zeros(len(steps[0].angles))
     for each, (unit, *_) in zip(steps, along, strict=True):
-        value = (unit * np.exp(1j * each.angles[np.isfinite(each.most)])).real
-        value = np.repeat(value[value > 0], each.tool.plane.most_per_position)
+        value = np.where(np.isfinite(each.most), (unit * np.exp(1j * each.angles)).real, 0.0)
+        best = np.maximum(best, value)
         assert isinstance(each.tool, WeightTool)
-        values.append(np.sort(value)[::-1][: each.tool.weight.stock])
-    best = np.sort(np.concatenate(values))[::-1][:_MOST_PLACES]
-    reach = np.concatenate([[0.0], np.cumsum(best)])
-    return reach[: int(np.searchsorted(reach, enough)) + 1]
+        values.append(_largest(np.repeat(value, most))[: each.tool.weight.stock])
+    # No more of a kind than there are, and no more at a position than go there.
+    reach = np.minimum(_summed(np.concatenate(values)), _summed(np.repeat(best, most)))
+    last = int(np.searchsorted(reach, min(enough, float(reach[-1]))))
+    return reach[: last + 1]
+
+
+def _summed(values: Float) -> Float:
+    """Return the sums of the 0, 1, ... 64 largest values; what is below 0 counts as 0."""
+    best = _largest(values)[:_MOST_PLACES]
+    return np.concatenate([[0.0], np.cumsum(np.pad(best, (0, _MOST_PLACES - len(best))))])
+
+
+def _largest(values: Float) -> Float:
+    return np.sort(np.maximum(values, 0.0))[::-1]
 
 
 def _of_places(steps: Sequence[Steps], along: Sequence[Complex], enough: float, classes: _Classes) -> Float:

@@ -8,9 +8,9 @@ can be listed, the best of all is taken (`listing`); elsewhere places are laid o
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
 
 from inertia.balancing.corrections.laying_out import LAYOUTS, starts
 from inertia.balancing.corrections.listing import Listing
@@ -30,6 +30,7 @@ _TIE = 1e-6
 _NEARLY = 0.01  # of the least residual: numbers of places that come so near it are tried first
 _OUT_OF_REACH = 0.3  # of the time
 _FEW = 4000  # angles times settings
+_LISTED_PLANES = 2  # whose plans are listed together
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,8 @@ class Plan:
     fewest : no plan with fewer places is within the limits; 0 where none is
     cut_short : the time was up before the search was through
     binding : numbers of the planes that would have to reach farther, where the limits are out of reach
+    settled : as all plans were listed that the bound leaves open, none with at most so many places leaves less, and
+        where it is above the limits, none with any number
     """
 
     spots: tuple[Spot, ...]
@@ -54,6 +57,7 @@ class Plan:
     fewest: int
     cut_short: bool
     binding: tuple[int, ...] = ()
+    settled: bool = False
 
 
 def rank(aim: float, number: int, worst: float) -> tuple[int, float, float]:
@@ -72,89 +76,137 @@ def rank(aim: float, number: int, worst: float) -> tuple[int, float, float]:
 
 def best_plan(places: Places, aim: float = 1.0) -> Plan:
     """Return the best plan; `aim` is what is to be left at most, as of `rank`, if it can be."""
-    sharing, listing = Sharing(places), Listing(places)
-    lowest = sharing.lowest
-    best = Plan((), worst_of(places.start), lowest, lowest, 0, False)
-    solved: set[tuple[int, ...]] = set()
-    fewest = 0
-
-    def attempt(number: int, open_below: float, below: float) -> Plan:
-        result = best
-        if result.spots and places.late():  # however little time there is, one plan is made
-            return result
-        for counts, least, shares in sharing.ways(number, open_below):
-            if counts not in solved and least <= below * (1 + _TIE) and not (result.spots and places.late()):
-                solved.add(counts)
-                spots, worst = _with_counts(places, sharing, listing, counts, shares, least, below)
-                if math.isfinite(worst) and rank(aim, len(spots), worst) < rank(aim, len(result.spots), result.worst):
-                    result = replace(result, spots=spots, worst=worst)
-                if result.worst <= FINE:
-                    break
-        return result
-
+    search = _Search(places, aim)
+    sharing, lowest = search.sharing, search.sharing.lowest
     if lowest > 1:  # what is out of reach takes no more than a share of the time
         places.seconds *= _OUT_OF_REACH
-    for goal in dict.fromkeys((aim, 1.0)) if aim else ():
-        if lowest <= goal < best.worst:
-            first = sharing.first(goal)
-            fewest = first if goal == 1.0 or not fewest else fewest
-            for number in range(first, first + MORE + 1):
-                best = attempt(number, goal, goal if number < len(best.spots) else max(best.worst, goal))
-                if best.worst <= goal or places.late():
-                    break
-        if best.worst <= goal or places.late():
+    for goal in dict.fromkeys((aim or AIM, 1.0)):
+        # What misses the aim may come within the limits with fewer places than were tried for it.
+        if lowest <= goal and (aim or search.worst > goal):
+            search.reach(goal)
+        if search.worst <= goal or search.late():
             break
-    if best.worst > 1 or aim == 0:
-        # Any number of places may leave the least; first those from where more of them add nothing.
-        first = sharing.first(max(1.0, lowest * (1 + _NEARLY)))
-        last = first + MORE if lowest <= 1 < best.worst else min(sum(sharing.most), first + MORE)
-        for number in (*range(first, last + 1), *range(first - 1, 0, -1)):
-            if best.worst <= max(FINE, lowest * (1 + _TIE)):
-                break
-            best = attempt(number, best.worst, best.worst)
-    best = _spared(places, best, aim)
+    if search.worst > 1 or aim == 0:
+        search.leave_least()
+    spots, worst = _spared(places, search.spots, search.worst, aim)
+    settled = search.settled and not places.cut_short and worst > FINE
+    out_of_reach = lowest > 1 or (settled and worst > 1)
+    fewest = 0 if out_of_reach or worst_of(places.start) <= 1 else sharing.first(1.0)
     bound = lowest
-    if best.worst <= 1:
-        bound = sharing.bound(len(best.spots), 1.0, default=lowest)
-        fewest = min(sharing.first(1.0) if worst_of(places.start) > 1 else 0, len(best.spots))
-    return replace(
-        best,
-        bound=min(bound, best.worst),
-        fewest=fewest,
+    if settled:
+        bound = worst
+    elif worst <= 1:
+        bound = sharing.bound(len(spots), 1.0, default=lowest)
+    return Plan(
+        spots,
+        worst,
+        bound=min(bound, worst),
+        lowest=lowest,
+        fewest=min(fewest, len(spots)) if worst <= 1 else fewest,
         cut_short=places.cut_short,
         binding=sharing.binding(),
+        settled=settled,
     )
 
 
-def _spared(places: Places, plan: Plan, aim: float) -> Plan:
-    """Return the plan without the places that it is better without: a search that was cut short may leave some."""
-    while plan.spots:
-        rests = [plan.spots[:k] + plan.spots[k + 1 :] for k in range(len(plan.spots))]
-        worst, spots = min((worst_of(places.rest(spots)), spots) for spots in rests)
-        if rank(aim, len(spots), worst) >= rank(aim, len(plan.spots), plan.worst):
+class _Search:
+    """A search under way.
+
+    Attributes
+    ----------
+    spots, worst : the best plan so far, and what it leaves
+    settled : all plans of the shop that the bound left open were listed, so that none with so many places leaves less
+    """
+
+    def __init__(self, places: Places, aim: float) -> None:
+        self.sharing = Sharing(places)
+        self.spots: tuple[Spot, ...] = ()
+        self.worst = worst_of(places.start)
+        self.settled = all(steps.complete for steps in places.steps)
+        self._places, self._aim, self._listing = places, aim, Listing(places)
+        self._tried: set[tuple[int, ...]] = set()
+
+    def late(self) -> bool:
+        """Say whether the time is up; however little there is, one plan is made of a rotor out of tolerance."""
+        return bool(self.spots or self.worst <= 1) and self._places.late()
+
+    def reach(self, goal: float) -> None:
+        """Look for the fewest places that leave no more than a goal."""
+        first = self.sharing.first(goal)
+        for number in itertools.chain(range(first, first + MORE + 1), self._beyond(first + MORE)):
+            if (self.worst <= goal and number > len(self.spots)) or self.late():
+                break
+            self._try(number, goal, max(self.worst, goal), listed=number > first + MORE)
+
+    def leave_least(self) -> None:
+        """Look for the least that can be left, with any number of places."""
+        lowest = self.sharing.lowest
+        # First those from where more of them add nothing.
+        first = self.sharing.first(max(1.0, lowest * (1 + _NEARLY)))
+        last = first + MORE if lowest <= 1 < self.worst else min(sum(self.sharing.most), first + MORE)
+        for number in itertools.chain(range(first, last + 1), range(first - 1, 0, -1), self._beyond(last)):
+            if self.worst <= max(FINE, lowest * (1 + _TIE)) or self.late():
+                return
+            self._try(number, self.worst, self.worst, listed=number > last)
+        self.settled &= all(self._listing.complete(group) for group in self.sharing.kinds)
+
+    def _beyond(self, last: int) -> Iterator[int]:
+        """Yield the numbers of places beyond a last one with which there are plans that can be listed."""
+        most = sorted(self._listing.most(group) for group in self.sharing.kinds)
+        yield from range(last + 1, sum(most[-_LISTED_PLANES:]) + 1)
+
+    def _try(self, number: int, open_below: float, below: float, *, listed: bool) -> None:
+        """Look for a better plan with so many places, of those alone that the bound leaves open.
+
+        Parameters
+        ----------
+        open_below, below : what a bound, and a plan, may leave to be of use
+        listed : whether only plans that can be listed are looked at
+        """
+        most = [self._most(number, *each) for each in zip(self.sharing.kinds, self.sharing.most, strict=True)]
+        for counts, least, shares in self.sharing.ways(number, open_below, most):
+            if self.worst <= FINE or self.late():
+                break
+            if counts in self._tried or least > below * (1 + _TIE):
+                continue
+            busy = [(group, n) for group, n in zip(self.sharing.kinds, counts, strict=True) if n]
+            if len(busy) <= _LISTED_PLANES and all(self._listing.lists(*each) for each in busy):
+                spots, worst = self._listing.best_of(busy, below)
+            else:
+                self.settled = False
+                if listed:
+                    continue
+                spots, worst = _laid_out(self._places, self.sharing.kinds, counts, shares, least)
+            self._tried.add(counts)
+            if math.isfinite(worst) and self._rank(spots, worst) < self._rank(self.spots, self.worst):
+                self.spots, self.worst = spots, worst
+
+    def _rank(self, spots: Sequence[Spot], worst: float) -> tuple[int, float, float]:
+        return rank(self._aim, len(spots), worst)
+
+    def _most(self, number: int, group: Sequence[int], useful: int) -> int:
+        """Return how many of so many places a plane may take: not many more than are useful, or as can be listed."""
+        if number <= useful + MORE:
+            return number
+        self.settled &= self._listing.complete(group)
+        return max(useful + MORE, self._listing.most(group))
+
+
+def _spared(places: Places, spots: tuple[Spot, ...], worst: float, aim: float) -> tuple[tuple[Spot, ...], float]:
+    """Return a plan without the places that it is better without: a search that was cut short may leave some."""
+    while spots:
+        rests = [spots[:k] + spots[k + 1 :] for k in range(len(spots))]
+        left, fewer = min((worst_of(places.rest(rest)), rest) for rest in rests)
+        if rank(aim, len(fewer), left) >= rank(aim, len(spots), worst):
             break
-        plan = replace(plan, spots=spots, worst=worst)
-    return plan
+        spots, worst = fewer, left
+    return spots, worst
 
 
-def _with_counts(
-    places: Places,
-    sharing: Sharing,
-    listing: Listing,
-    counts: Sequence[int],
-    shares: Complex,
-    least: float,
-    below: float,
+def _laid_out(
+    places: Places, kinds: Sequence[Sequence[int]], counts: Sequence[int], shares: Complex, least: float
 ) -> tuple[tuple[Spot, ...], float]:
-    """Return the best plan with so many places in each plane."""
-    kinds = sharing.kinds
-    busy = [(group, n) for group, n in zip(kinds, counts, strict=True) if n]
-    if not busy:
-        return (), worst_of(places.start)
-    listed = [listing.of(group, n) for group, n in busy] if len(busy) <= 2 else [None]
-    every = [k for k in listed if k is not None]
-    if len(every) == len(listed):
-        return listing.best_of(every, below) or ((), math.inf)
+    """Return the best plan that is found with so many places in each plane, laid out about its share and moved."""
     begun = [start for start in starts(places, kinds, counts, shares) if places.fits(start)]
     for order in (1, -1) if not begun else ():  # the planes' places would be in each other's way
         begun += starts(places, kinds, counts, shares, order)

@@ -71,16 +71,24 @@ class Sharing:
                 low = middle
         return high
 
-    def ways(self, number: int, aim: float) -> list[Way]:
-        """Return how so many places may be shared by the planes, with the bound and what each does, the best first."""
+    def ways(self, number: int, aim: float, most: Sequence[int] | None = None) -> list[Way]:
+        """Return how so many places may be shared by the planes, with the bound and what each does, the best first.
+
+        Parameters
+        ----------
+        most : places of each plane; not many more than are useful without it
+        """
         ways = []
-        for counts in _shares(number, [most + MORE for most in self.most]):
+        for counts in _shares(number, most or [useful + MORE for useful in self.most]):
             least, shares = self._least(counts)
             if least <= aim * (1 + GAIN):
                 ways.append((counts, least, shares))
         return sorted(ways, key=lambda way: (round(way[1], 3), -min(way[0], default=0), way[0]))
 
     def _least(self, counts: tuple[int, ...]) -> tuple[float, Complex]:
+        # More places than reach farther do no more, where all of them act at one place along the shaft.
+        each = zip(counts, self._capacities, self.most, strict=True)
+        counts = tuple(n if plane.varies else min(n, useful) for n, plane, useful in each)
         if counts not in self._known:
             self._known[counts] = least_residual(self._capacities, self._start, counts)
         return self._known[counts]

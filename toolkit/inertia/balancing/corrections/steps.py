@@ -54,10 +54,23 @@ class Steps:
         """How many angles there are times how many settings."""
         return len(self.angles) * len(self.settings)
 
+    @property
+    def complete(self) -> bool:
+        """Whether these are all angles and settings that the shop can set, and not some of them."""
+        tool, plane = self.tool, self.tool.plane
+        near = _within(self.angles, plane.angle_step)
+        every = _within(self.settings, tool.step) and math.isfinite(tool.greatest)
+        return (plane.angles != "free" or near) and (tool.least == tool.greatest or every)
+
     def on_metal(self, number: int) -> Tool:
         """Return the tool as it starts at angle `number`."""
         start = float(self.starts[number])
         return replace(self.tool, start=start) if start else self.tool
+
+
+def _within(values: Float, step: float) -> bool:
+    """Say whether ascending values lie no farther apart than a step."""
+    return bool(np.diff(values).max(initial=0.0) <= step * (1 + _SAME))
 
 
 def steps_of(

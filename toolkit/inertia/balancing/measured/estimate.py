@@ -28,6 +28,7 @@ from functools import lru_cache
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.balancing.bounds import COVERAGE, worst_direction
 from inertia.balancing.measured.amplitudes import AmplitudeFit, amplitude_balance
 from inertia.balancing.measured.index_balancing import index_balancing
 from inertia.balancing.measured.influence import influence_correction
@@ -38,9 +39,6 @@ from inertia.balancing.shop_units import angular_speed
 from inertia.balancing.unbalance import Complex
 from inertia.errors import GeometryError, UsageError
 from inertia.records import dataclass
-
-COVERAGE = 2.0
-"""Of the standard uncertainty, for about 95 % of the magnitude of an unbalance."""
 
 _RECTANGLE = math.sqrt(3.0)
 _SAME = 1e-9  # of the largest weight: what is mounted in two runs is the same; of all that cancel, what is left is none
@@ -62,10 +60,9 @@ class Estimate:
     coefficients : (channels, n) vibration per unit of weight; None without phase
     coefficient_uncertainty : (channels, n) standard
     unbalance : (n,) the heavy spots as the rotor is now, with what stays on it
-    covariance : (n, 2, 2) of its parts along 0° and 90°, of first order
-    coefficient_noise : (n, n) standard uncertainty of A⁺ δA, what errors of the coefficients make of an unbalance in
-        one plane (column) in another (row), relative and in the direction in which it is largest; infinite where the
-        readings may as well have no answer
+    moves : (m, n) what each of m inputs, moved by its standard uncertainty, does to it, of first order
+    coefficient_noise : (m, n, n) the same of A⁺ δA, what errors of the coefficients make of an unbalance in one plane
+        (column) in another (row), relative; infinite where the readings may as well have no answer
     present : (channels,) what the machine would show now
     present_uncertainty : (channels,) standard, in the direction in which it is largest
     residuals : (runs, channels) what neither weights nor the rest that all runs have in common explain of the readings
@@ -80,8 +77,8 @@ class Estimate:
     coefficients: Complex | None
     coefficient_uncertainty: Float
     unbalance: Complex
-    covariance: Float
-    coefficient_noise: Float
+    moves: Complex
+    coefficient_noise: Complex
     present: Complex
     present_uncertainty: Float
     residuals: Complex
@@ -104,9 +101,9 @@ class Estimate:
     @property
     def bounded(self) -> bool:
         """Whether the coefficients are known well enough to bound the unbalance; noise alone is not."""
-        squares = self.coefficient_noise**2
-        if not np.isfinite(squares).all():
+        if not np.isfinite(self.coefficient_noise).all():
             return False
+        squares = worst_direction(self.coefficient_noise) ** 2
         largest = float(np.abs(np.linalg.eigvals(squares)).max(initial=0.0))
         return math.sqrt(largest) * (math.sqrt(2.0 * (1 + self._spare)) + _SEEN) <= 1.0
 
@@ -123,13 +120,31 @@ class Estimate:
         d = k s + C |u| with |u| ≤ |û| + d, so that d = (1 − C)⁻¹ (k s + C |û|). C is k² S², and 2 S² for each reading
         beyond those that the planes take: noise there makes the squares of coefficients larger, and û smaller.
         """
-        first = np.sqrt(np.maximum(np.linalg.eigvalsh(self.covariance)[:, -1], 0.0))
+        first = worst_direction(self.moves)
         if not self.bounded:
             return np.full(len(first), math.inf)
-        second = (COVERAGE**2 + 2.0 * self._spare) * self.coefficient_noise**2
+        second = (COVERAGE**2 + 2.0 * self._spare) * worst_direction(self.coefficient_noise) ** 2
         off = np.linalg.solve(np.eye(len(first)) - second, COVERAGE * first + second @ np.abs(self.unbalance))
-        spread: Float = off / COVERAGE
-        return spread
+        return np.asarray(off / COVERAGE, dtype=np.float64)
+
+    @property
+    def spreads(self) -> tuple[Complex, ...]:
+        """What the unbalance of all planes together is uncertain by, where it is bounded.
+
+        Sets (m, n) of what the standard deviation of each of m numbers does to the planes at once. Of what p = Σ wₖ uₖ
+        is uncertain by, those of a set are added in squares and sets as they are: the inputs, of first order, and for
+        each plane what noise of the coefficients makes elsewhere of the error d of its unbalance. With errors δV, δA
+        of readings and coefficients and Â as found, d = Â⁺ (δV − δA u) holds exactly: p is off by no more than
+        k s(w Â⁺ (δV − δA û)) + Σⱼ k s(w Â⁺ δAⱼ) |dⱼ|. In a single plane d is all of it.
+        """
+        off, found = self.uncertainty, np.abs(self.unbalance)
+        first = worst_direction(self.moves)
+        if len(off) == 1:
+            return (self.moves * np.divide(off, first, out=np.ones(1), where=first > 0),)
+        own = worst_direction(np.diagonal(self.coefficient_noise, axis1=1, axis2=2))
+        # With readings to spare, noise makes the squares of the coefficients larger, see `uncertainty`.
+        reach = COVERAGE * off + 2.0 * self._spare / COVERAGE * own * (found + COVERAGE * off)
+        return (self.moves, *np.moveaxis(self.coefficient_noise * reach, 2, 0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +189,7 @@ def estimate(job: Job, stored: tuple[Complex, Float] | None = None, near: Estima
         # Within their uncertainties, the amplitudes may have no answer at all.
         return replace(
             nominal,
-            coefficient_noise=np.full_like(nominal.coefficient_noise, math.inf),
+            coefficient_noise=np.full((1, 1, 1), math.inf + 0j),
             present_uncertainty=np.full_like(nominal.present_uncertainty, math.inf),
             residual_uncertainty=np.full_like(nominal.residual_uncertainty, math.inf),
         )
@@ -183,28 +198,21 @@ def estimate(job: Job, stored: tuple[Complex, Float] | None = None, near: Estima
     unbalance, present, residuals, effect = np.split(
         moves, np.cumsum([planes, channels, runs * channels]).tolist(), axis=1
     )
-    sides = np.stack([unbalance.real, unbalance.imag], axis=-1)
     answer = replace(
         nominal,
-        covariance=np.einsum("ipa,ipb->pab", sides, sides),
-        present_uncertainty=_largest(present),
-        residual_uncertainty=_largest(residuals).reshape(runs, channels),
+        moves=unbalance,
+        present_uncertainty=worst_direction(present),
+        residual_uncertainty=worst_direction(residuals).reshape(runs, channels),
     )
     if nominal.coefficients is None:
         # u is the quotient of a² u and a², which the squares of the amplitudes give: of a, the sensitivity, twice.
-        noise = 2.0 * effect[:, None] / nominal.fits[0].sensitivity
+        noise = 2.0 * effect[:, :, None] / nominal.fits[0].sensitivity
     else:
         changes = effect.reshape(len(parts), channels, planes)
         answer = replace(answer, coefficient_uncertainty=np.sqrt((np.abs(changes) ** 2).sum(axis=0) / 2.0))
         root = np.sqrt(job.importance)[:, None]
         noise = np.linalg.pinv(root * nominal.coefficients) @ (root * changes)
-    return replace(answer, coefficient_noise=_largest(noise))
-
-
-def _largest(moves: Complex) -> Float:
-    """Return the standard uncertainty of complex numbers by moves (moves, ...), where its direction is the largest."""
-    spread: Float = np.sqrt(0.5 * ((np.abs(moves) ** 2).sum(axis=0) + np.abs((moves**2).sum(axis=0))))
-    return spread
+    return replace(answer, coefficient_noise=noise)
 
 
 def _parts(answer: Estimate) -> Complex:
@@ -266,8 +274,8 @@ def _calculated(job: Job, inputs: _Inputs, near: Estimate | None = None) -> Esti
         coefficients=None,
         coefficient_uncertainty=np.zeros((0, planes)),
         unbalance=np.zeros(planes, complex),
-        covariance=np.zeros((planes, 2, 2)),
-        coefficient_noise=np.zeros((planes, planes)),
+        moves=np.zeros((0, planes), complex),
+        coefficient_noise=np.zeros((0, planes, planes), complex),
         present=inputs.readings[-1],
         present_uncertainty=np.zeros(len(inputs.readings[0])),
         residuals=np.zeros_like(inputs.readings),

@@ -17,8 +17,8 @@ import numpy as np
 
 from inertia.arrays import Float, Progress
 from inertia.balancing.balance import Balance, as_measured, balance
+from inertia.balancing.bounds import COVERAGE
 from inertia.balancing.measured.estimate import (
-    COVERAGE,
     Estimate,
     estimate,
     explanations,
@@ -32,6 +32,7 @@ from inertia.balancing.measured.pieces import added_by, limits_of, pieces_of, wi
 from inertia.balancing.measured.positions import Piece
 from inertia.balancing.measured.remarks import contradiction, on_places, remarks
 from inertia.balancing.measured.stored_coefficients import StoredCoefficients
+from inertia.balancing.shop_digits import ShopDigits, mounting_digits, shop_digits, together
 from inertia.balancing.shop_units import GRAM_MILLIMETRE, angular_speed, in_degrees
 from inertia.balancing.tolerance import accepted
 from inertia.balancing.unbalance import Complex
@@ -141,10 +142,14 @@ class Measurement:
         verdict = "nothing says what is permissible" if self.outcome is None else str(self.outcome)
         rows = [("Job", f"{self.job.name}: {verdict}"), ("Runs", str(len(self.runs)))]
         size, unit = (1e3, "g") if self.job.weighed_alone else (1 / GRAM_MILLIMETRE, "g·mm")
+        digits = work_digits(self)
         for each in self.planes:
             angle = round(in_degrees(each.unbalance), 1) % 360.0
             unbalance = f"{size * abs(each.unbalance):.4g} {unit} at {angle:.1f}°"
-            pieces = [f"{1e3 * piece.mass:.4g} g at {math.degrees(piece.angle):.1f}°" for piece in each.pieces]
+            pieces = [
+                f"{1e3 * piece.mass:.{max(3, digits.mass)}f} g at {math.degrees(piece.angle):.{max(1, digits.angle)}f}°"
+                for piece in each.pieces
+            ]
             rows.append((f"Plane {each.plane.id}", f"{unbalance}; mount {', '.join(pieces) or 'nothing'}"))
         return html_of([*rows, *(("Why", says) for says in self.why), *(("Note", note) for note in self.notes)])
 
@@ -153,6 +158,19 @@ class Measurement:
         if self.estimate.coefficients is None or self.job.by_machine:
             raise UsageError(f"{self.job.name}: the method {self.job.fields.method!r} has no influence coefficients")
         return StoredCoefficients.of(self.job, self.estimate.coefficients, self.estimate.coefficient_uncertainty)
+
+
+def work_digits(result: Measurement) -> ShopDigits:
+    """Return the decimals that the work takes: that on the rotor file's bodies, or masses to mount."""
+    if result.balance is not None:
+        return shop_digits(result.balance, result.job.machine_angles)
+    return together(
+        mounting_digits(
+            [(piece.mass, piece.angle) for piece in plane.pieces],
+            None if plane.permissible is None else plane.permissible / result.job.per_mass(k),
+        )
+        for k, plane in enumerate(result.planes)
+    )
 
 
 def measure(job: Job, *, seconds: float | None = None, progress: Progress | None = None) -> Measurement:
@@ -306,15 +324,21 @@ def _balance(job: Job, result: Estimate, seconds: float | None, progress: Progre
     """Correct the rotor of the file by the measured unbalance."""
     assert job.rotor is not None
     rotor = job.rotor if seconds is None else job.rotor.planned_in(seconds)
-    return balance(rotor, measured=_vectors(job, result), progress=progress)
+    return balance(rotor, measured=_vectors(job, result), measured_spreads=_spreads(job, result), progress=progress)
 
 
 def _vectors(job: Job, result: Estimate) -> list[tuple[float, complex, float]]:
-    """Return the unbalance of each plane as `balance` takes what was measured."""
+    """Return the unbalance of each plane as `balance` takes what was measured; the estimate has its uncertainty."""
     return [
-        (plane.z or 0.0, job.to_rotor(vector), COVERAGE * float(uncertainty))
-        for plane, vector, uncertainty in zip(job.planes, result.unbalance.tolist(), result.uncertainty, strict=True)
+        (plane.z or 0.0, job.to_rotor(vector), 0.0)
+        for plane, vector in zip(job.planes, result.unbalance.tolist(), strict=True)
     ]
+
+
+def _spreads(job: Job, result: Estimate) -> list[Complex]:
+    """Return what it is uncertain by, in the angles of the rotor file."""
+    along, across = job.to_rotor(1.0), job.to_rotor(1j)
+    return [moves.real * along + moves.imag * across for moves in result.spreads]
 
 
 def _agreed(outcomes: Iterable[Outcome]) -> Outcome:
@@ -369,7 +393,7 @@ def _against(sizes: Sequence[tuple[float, float]], limit: float, per: float, uni
 
 def _verdict_of(job: Job, result: Estimate, rotor: Balance) -> Verdict:
     """Judge the rotor of the file by another unbalance than the one that it was balanced by."""
-    measured = as_measured(rotor.initial, _vectors(job, result))
+    measured = as_measured(rotor.initial, _vectors(job, result), _spreads(job, result))
     return judge(measured, rotor.tolerance, rotor.tolerance_planes, rotor.rigid)
 
 

@@ -8,8 +8,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.balancing.bounds import COVERAGE
 from inertia.balancing.corrections.correction_plane import KitWeight
-from inertia.balancing.measured.estimate import COVERAGE, Estimate
+from inertia.balancing.measured.estimate import Estimate
 from inertia.balancing.measured.influence import InfluenceCorrection
 from inertia.balancing.measured.job import Job
 from inertia.balancing.measured.positions import Piece, least_together, split_among

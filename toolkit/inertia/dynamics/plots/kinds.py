@@ -12,7 +12,7 @@ from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.polhode import covered, polhode_family, separatrix
 from inertia.dynamics.plots.projection import FAINT, INK, Projection
-from inertia.dynamics.plots.subject import Subject, numbered
+from inertia.dynamics.plots.subject import COARSE, Subject, is_coarse, numbered
 from inertia.dynamics.plots.swing import Swing, Window, heavy_top_of, swing_of
 from inertia.errors import UsageError
 from inertia.palette import BLUE, GREEN, ORANGE, PLUM, VERMILLION
@@ -26,7 +26,6 @@ _LINES = (BLUE, VERMILLION, GREEN)
 _EYE = (0.58, 0.46, 0.67)  # from where all three axes can be told apart
 _SAMPLES = 361
 _MOST = 4000  # points of a line
-_COARSE = 0.7  # rad between samples, from which on no line is drawn between them
 _VERTICAL = 1e-4  # rad from the vertical, nearer to which V is all rounding
 _LONGEST = 30.0  # times as long as wide: longer ellipsoids are lines
 _EQUAL = 1e-9  # relative difference up to which moments, or rates, are the same
@@ -101,13 +100,6 @@ def _when(run: Subject, sample: int) -> str:
     return "at the start" if time == 0 else "at the end" if time == end else f"at {time:.4g} s"
 
 
-def _is_coarse(run: Subject) -> bool:
-    """Whether the body turns too far between samples for a line through them."""
-    if len(run.time) < 2:
-        return True
-    return float(np.linalg.norm(run.angular_velocity, axis=1).max()) * float(np.diff(run.time).max()) > _COARSE
-
-
 def _plain(axes: Axes, x: str, y: str, title: str) -> None:
     axes.set_facecolor("white")
     axes.set_xlabel(x, fontsize=11)
@@ -121,7 +113,7 @@ def _plain(axes: Axes, x: str, y: str, title: str) -> None:
 def _angular_velocity(axes: Axes, run: Subject) -> None:
     deforms = run.plan.problem.scene.body.deforms
     along = np.eye(3) if deforms else numbered(run.plan)[1]
-    omega, coarse = run.angular_velocity @ along, _is_coarse(run)
+    omega, coarse = run.angular_velocity @ along, is_coarse(run.time, run.angular_velocity)
     for k in range(3):
         _line(axes, run.time, omega[:, k], coarse, color=_LINES[k], label=f"ω{_SUBSCRIPTS[k]}")
     which = "part" if deforms else "principal"
@@ -176,7 +168,13 @@ def _momentum_sphere(axes: Axes, run: Subject) -> None:
         seen.draw(axes, curve, "path of L", color=VERMILLION, linewidth=2.6)
     elif not free:
         way = _in_pieces(path)
-        seen.draw(axes, way, "path of L / |L|", color=VERMILLION, **_style(_is_coarse(run), len(path), 1.8))
+        seen.draw(
+            axes,
+            way,
+            "path of L / |L|",
+            color=VERMILLION,
+            **_style(is_coarse(run.time, run.angular_velocity), len(path), 1.8),
+        )
         axes.plot(*seen.at(path[-1]), "s", color=ORANGE, markersize=7, zorder=9, label=f"L {_when(run, -1)}")
     axes.plot(*seen.at(path[0]), "o", color=INK, markersize=7, zorder=9, label=f"L {_when(run, 0)}")
     seen.draw_axes(axes, [f"L{_SUBSCRIPTS[k]}{'' if seen.toward[k] >= 0 else ' < 0'}" for k in range(3)])
@@ -188,7 +186,7 @@ def _momentum_sphere(axes: Axes, run: Subject) -> None:
 
 def _in_pieces(path: Float) -> Float:
     """Return directions (m, 3) with a gap where they jump, as that of L does where L passes through zero."""
-    jumps = np.flatnonzero(np.linalg.norm(np.diff(path, axis=0), axis=1) > _COARSE) + 1
+    jumps = np.flatnonzero(np.linalg.norm(np.diff(path, axis=0), axis=1) > COARSE) + 1
     return np.insert(path, jumps, np.nan, axis=0)
 
 
@@ -254,7 +252,13 @@ def _nutation(axes: Axes, run: Subject) -> None:
     toward = side / np.linalg.norm(side) * np.sqrt(1.0 - lift**2) + lift * up
     seen = Projection(np.ones(3), toward, up)
     _draw_globe(axes, seen, up)
-    seen.draw(axes, path, "path of the axis", color=VERMILLION, **_style(_is_coarse(run), len(path), 1.5))
+    seen.draw(
+        axes,
+        path,
+        "path of the axis",
+        color=VERMILLION,
+        **_style(is_coarse(run.time, run.angular_velocity), len(path), 1.5),
+    )
     circles = np.asarray(run.quantities.get("turning theta", []), dtype=np.float64)
     for k, angle in enumerate(circles):
         seen.draw(axes, _circle(up, float(angle)), None if k else "θ turns", color=GREEN, linewidth=1.4)
@@ -308,7 +312,7 @@ def _phase_portrait(axes: Axes, run: Subject) -> None:
         name, what = "angle θ from the start, rad", "Phase portrait"
         _draw_levels(axes, swing, window)
     every = slice(None, None, max(1, len(angle) // (4 * _MOST)))
-    how = _style(_is_coarse(run), len(angle), 2.0)
+    how = _style(is_coarse(run.time, run.angular_velocity), len(angle), 2.0)
     axes.plot(angle[every], rate[every], color=VERMILLION, label="the run", zorder=4, **how)
     axes.plot(angle[:1], rate[:1], "o", color=INK, markersize=7, zorder=5, label=_when(run, 0))
     axes.set_xlim(window.left, window.right)

@@ -11,6 +11,8 @@ from inertia.arrays import Float
 from inertia.dynamics.plan import Plan
 from inertia.dynamics.scene.body import nearest
 
+COARSE = 0.7
+"""Radians between samples, from which on no line is drawn between them."""
 _DIAGONAL = 1e-9
 """Of the largest moment, up to which a product of inertia is taken for zero."""
 
@@ -41,6 +43,14 @@ class Subject(Protocol):
     @property
     def quantities(self) -> Mapping[str, Float]:
         """Further outputs of the model."""
+
+
+def is_coarse(time: Float, angular_velocity: Float) -> bool:
+    """Say whether a body that turns at most as fast as at some instants, ω (k, 3) rad/s, turns too far between others,
+    (n,) s, for a line through what they have."""
+    if len(time) < 2:
+        return True
+    return float(np.linalg.norm(angular_velocity, axis=1).max()) * float(np.diff(time).max()) > COARSE
 
 
 def numbered(plan: Plan) -> tuple[Float, Float]:

@@ -16,6 +16,7 @@ from inertia.recording import entities
 from inertia.recording.display import Solid, equivalent_ellipsoid, solids_of
 from inertia.recording.drawing import COLORS, MOMENTUM, OMEGA, write_arrow, write_ellipsoid, write_place, write_text
 from inertia.recording.playback import Frames, frames_of, largest, longest_as, strobe
+from inertia.recording.sampling import write_series
 from inertia.recording.screen import Screen, drift_plot, eye, finished, plot, space_view, text_view, whole_path
 from inertia.recording.series import drift_unit, write_angular_velocity, write_drift
 from inertia.recording.summary import summary, title
@@ -218,14 +219,15 @@ def _write_plots(recording: Recording, run: Run, assembly: JointedBody) -> None:
         if columns:
             names = [f"{named[k][0]}, {unit}" for k in columns]
             colors = [COLORS[k % len(COLORS)] for k in range(len(columns))]
-            recording.scalars(path, run.time, values[:, columns].__getitem__, names, colors)
+            write_series(recording, path, run, values[:, columns].__getitem__, names, colors)
     moments, work = run.quantities["principal moments"], run.quantities["work of the joints"]
     names = [f"I{k}, kg m²" for k in (1, 2, 3)]
-    recording.scalars(entities.PLOT_MOMENTS, run.time, lambda rows: moments[rows], names, COLORS[:3])
+    write_series(recording, entities.PLOT_MOMENTS, run, lambda rows: moments[rows], names, COLORS[:3])
     write_angular_velocity(recording, run, np.eye(3))
-    recording.scalars(
+    write_series(
+        recording,
         entities.PLOT_WORK,
-        run.time,
+        run,
         lambda rows: np.stack([run.energy[rows], work[rows]], axis=1),
         ["kinetic energy, J", "work of the joints, J"],
         COLORS[3:5],

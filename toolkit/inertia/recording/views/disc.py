@@ -27,6 +27,7 @@ from inertia.recording.drawing import (
     write_trail,
 )
 from inertia.recording.playback import Frames, frames_of, never_short
+from inertia.recording.sampling import write_series
 from inertia.recording.screen import (
     Screen,
     camera,
@@ -263,9 +264,10 @@ def _contact_force(run: Run) -> Float:
 
 def _write_plots(recording: Recording, run: Run) -> None:
     force, weight = _contact_force(run), np.linalg.norm(_weight(run))
-    recording.scalars(
+    write_series(
+        recording,
         entities.PLOT_FORCE,
-        run.time,
+        run,
         lambda rows: np.stack(
             [force[rows, 2], np.hypot(force[rows, 0], force[rows, 1]), np.full(len(force[rows]), weight)], axis=1
         ),
@@ -274,16 +276,17 @@ def _write_plots(recording: Recording, run: Run) -> None:
     )
     write_events(recording, entities.PLOT_FORCE, run, "lift-off", lambda there: _contact_force(there)[:, 2])
     tilt = run.quantities["theta"]
-    recording.scalars(entities.PLOT_TILT, run.time, lambda rows: tilt[rows, None], ["θ, rad"], COLORS[1:2])
+    write_series(recording, entities.PLOT_TILT, run, lambda rows: tilt[rows, None], ["θ, rad"], COLORS[1:2])
     if _slides(run):
         slip = np.linalg.norm(run.quantities["contact velocity"], axis=1)
-        recording.scalars(entities.PLOT_SLIP, run.time, lambda rows: slip[rows, None], ["slip, m/s"], COLORS[2:3])
+        write_series(recording, entities.PLOT_SLIP, run, lambda rows: slip[rows, None], ["slip, m/s"], COLORS[2:3])
         write_energy(recording, run)
         return
     rates = [run.quantities[f"{name} rate"] for name in ("phi", "theta", "psi")]
-    recording.scalars(
+    write_series(
+        recording,
         entities.PLOT_RATES,
-        run.time,
+        run,
         lambda rows: np.stack([rate[rows] for rate in rates], axis=1),
         ["φ rate, rad/s", "θ rate, rad/s", "ψ rate, rad/s"],
         COLORS[:3],

@@ -26,6 +26,7 @@ from inertia.recording.drawing import (
     write_trail,
 )
 from inertia.recording.playback import Frames, frames_of, largest, never_short
+from inertia.recording.sampling import write_series
 from inertia.recording.screen import Screen, drift_plot, eye, finished, plot, space_view, text_view, trail
 from inertia.recording.series import (
     drift_unit,
@@ -215,7 +216,7 @@ def _write_bearings(recording: Recording, run: Run, body: Display, frames: Frame
 def _write_angle(recording: Recording, run: Run) -> None:
     """Write the angle of the axle and its rate, at every sample."""
     table = np.stack([run.quantities["angle"], run.angular_velocity @ run.plan.problem.axle], axis=1)
-    recording.scalars(entities.PLOT_ANGLE, run.time, table.__getitem__, ["θ, rad", "θ rate, rad/s"], COLORS[1:3])
+    write_series(recording, entities.PLOT_ANGLE, run, table.__getitem__, ["θ, rad", "θ rate, rad/s"], COLORS[1:3])
 
 
 def _write_momentum(recording: Recording, run: Run) -> None:
@@ -226,4 +227,4 @@ def _write_momentum(recording: Recording, run: Run) -> None:
         return np.column_stack([some, np.linalg.norm(some, axis=1)])
 
     names = [f"{name}, kg m²/s" for name in ("Lx", "Ly", "Lz", "|L|")]
-    recording.scalars(entities.PLOT_MOMENTUM, run.time, momenta, names, COLORS[:4])
+    write_series(recording, entities.PLOT_MOMENTUM, run, momenta, names, COLORS[:4])

@@ -19,6 +19,7 @@ from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.drawing import COLORS, write_arrow, write_labels, write_point
 from inertia.recording.playback import Frames, largest, never_short
+from inertia.recording.sampling import write_series
 from inertia.recording.screen import plot
 from inertia.recording.writer import Recording
 
@@ -47,11 +48,13 @@ def write_torque(recording: Recording, run: Run, frames: Frames, size: float, th
     torque = torque_on(run, frames.time[rows], frames.attitude[rows], omega)
     arrow, note = never_short(_LENGTH * size, _LEAST * size, torque)
     write_arrow(recording, entities.TORQUE, frames.time[rows], arrow, "N", TORQUE, thick)
-    rows = slice(None, None, -(-len(run.time) // _MOST))
-    plotted = torque_on(run, run.time[rows], run.attitude[rows], run.angular_velocity[rows])
-    table = np.column_stack([plotted, np.linalg.norm(plotted, axis=1)])
+
+    def plotted(rows: slice) -> Float:
+        some = torque_on(run, run.time[rows], run.attitude[rows], run.angular_velocity[rows])
+        return np.column_stack([some, np.linalg.norm(some, axis=1)])
+
     names = [f"{name}, N m" for name in ("Nx", "Ny", "Nz", "|N|")]
-    recording.scalars(entities.PLOT_TORQUE, run.time[rows], table.__getitem__, names, COLORS[:4])
+    write_series(recording, entities.PLOT_TORQUE, run, plotted, names, COLORS[:4], step=-(-len(run.time) // _MOST))
     yield f"the torque N (pink) of the loads is {largest(torque):.4g} N m where it is largest"
     if note:
         yield f"N {note}"
@@ -134,7 +137,7 @@ def write_reactions(recording: Recording, run: Run) -> None:
     if sizes := reactions(run):
         table = np.stack(list(sizes.values()), axis=1)
         units = [f"{name}, N" for name in sizes]
-        recording.scalars(entities.PLOT_REACTION, run.time, table.__getitem__, units, COLORS[: len(units)])
+        write_series(recording, entities.PLOT_REACTION, run, table.__getitem__, units, COLORS[: len(units)])
 
 
 def _outer(run: Run) -> list[Load]:

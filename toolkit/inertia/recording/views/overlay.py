@@ -16,7 +16,17 @@ from inertia.errors import InertiaError, UsageError
 from inertia.recording import entities
 from inertia.recording.display import Display, display_of
 from inertia.recording.drawing import write_arrow, write_place, write_text
-from inertia.recording.playback import TRIES, Playback, are_near, largest, playback, turning_of, turning_seen
+from inertia.recording.playback import (
+    TRIES,
+    Playback,
+    are_near,
+    largest,
+    playback,
+    to_ticks,
+    turning_of,
+    turning_seen,
+)
+from inertia.recording.sampling import points_note, write_series
 from inertia.recording.screen import Screen, eye, finished, plot, space_view, text_view
 from inertia.recording.summary import figure, markdown, sentence, title
 from inertia.recording.writer import Recording
@@ -90,7 +100,7 @@ def _pair(run: Run, other: Run) -> Pair:
         known = np.union1d(rates[0][0], rates[1][0])
         turning = np.maximum(*(np.interp(known, *rate) for rate in rates))
         play = playback(time, float(turning.max()), turning, known)
-        poses = [_followed(each, play.frames[play.frames < each.time[-1] - least]) for each in (run, other)]
+        poses = [_followed(each, play, least) for each in (run, other)]
         if are_near(play, *(each.attitude for each in poses)):
             break
         seen = zip((run, other), poses, rates, strict=True)
@@ -98,10 +108,12 @@ def _pair(run: Run, other: Run) -> Pair:
     return Pair((run, other), play, (poses[0], poses[1]), _apart(run, other, least))
 
 
-def _followed(run: Run, time: Float) -> Run:
-    """Return a run at instants and its end, as the model has it, or at its samples where it cannot be followed."""
+def _followed(run: Run, play: Playback, least: float) -> Run:
+    """Return a run at the instants shown, and at its end, which is `least` s or more after these, as the model has it;
+    at its samples where it cannot be followed."""
+    end = float(run.time[-1])
     try:
-        return run.at(np.append(time, run.time[-1]))
+        return run.at(to_ticks(np.append(play.frames[play.frames < end - least], end), play.second))
     except InertiaError:
         return run
 
@@ -190,13 +202,20 @@ def _write_plots(recording: Recording, pair: Pair) -> None:
     for axis, name in enumerate("xyz"):
         for k, run in enumerate(pair.runs):
             values = run.angular_velocity[:, axis : axis + 1]
-            recording.scalars(
-                f"{_path(name)}/{_NAMES[k]}", run.time, values.__getitem__, [f"{_NAMES[k]}, rad/s"], COLORS[k : k + 1]
+            write_series(
+                recording,
+                f"{_path(name)}/{_NAMES[k]}",
+                run,
+                values.__getitem__,
+                [f"{_NAMES[k]}, rad/s"],
+                COLORS[k : k + 1],
             )
     time, angle = pair.apart
     if len(time):
         color = palette.rgb(palette.GREEN)
-        recording.scalars(entities.PLOT_APART, time, lambda rows: angle[rows, None], ["angle, rad"], [color])
+        faster = max(pair.runs, key=lambda run: largest(run.angular_velocity))
+        names = ["angle, rad"]
+        write_series(recording, entities.PLOT_APART, faster, lambda rows: angle[rows, None], names, [color], time=time)
 
 
 def _text(pair: Pair, notes: list[str]) -> str:
@@ -207,6 +226,8 @@ def _text(pair: Pair, notes: list[str]) -> str:
             f"**The {name}, {color}: {markdown(title(run))}.** {run.model}, {run.time[-1]:g} s, attitude to "
             f"{figure(run.error.reached)} rad."
         )
+        if note := points_note(run):
+            lines[-1] += f" {sentence(note)}"
     time, angle = pair.apart
     if len(time):
         worst = int(np.argmax(angle))
@@ -217,4 +238,4 @@ def _text(pair: Pair, notes: list[str]) -> str:
         )
     else:
         lines.append("The runs have no instant in common at which their attitudes could be compared.")
-    return "\n\n".join([*lines, " ".join(map(sentence, dict.fromkeys(notes)))])
+    return "\n\n".join([*lines, markdown(" ".join(map(sentence, dict.fromkeys(notes))))])

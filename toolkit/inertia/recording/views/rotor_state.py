@@ -22,7 +22,17 @@ from inertia.recording import entities
 from inertia.recording.display import MOST, facets, shown_triangles
 from inertia.recording.drawing import Color, circle, write_labels, write_lines
 from inertia.recording.spin_marks import meridian
-from inertia.recording.views.rotor_target import AFTER, BEFORE, FAINT, INK, PERMISSIBLE, PLACE, WHITE, broken
+from inertia.recording.views.rotor_target import (
+    AFTER,
+    BEFORE,
+    FAINT,
+    INK,
+    PERMISSIBLE,
+    PLACE,
+    WHITE,
+    broken,
+    numbers_text,
+)
 from inertia.recording.views.rotor_text import bearing_bounds, force_text, plane_bounds, resolved, states, vector_text
 from inertia.recording.writer import Recording
 from inertia.records import dataclass
@@ -36,7 +46,7 @@ _LINE = 0.15  # over half the height of the view, from a line of labels to the n
 _MARGIN, _WIDE = 1.2, 1.4  # over the reach, what is seen along the shaft; over its height, the width of the view
 _CLOSE = 1.0  # over the reach: labels nearer than that are on different lines
 _MERIDIANS = (0, WHITE, 0.7), (90, FAINT, 0.35), (180, FAINT, 0.35), (270, FAINT, 0.35)  # degrees, color, thickness
-_NUMBERED = 6  # operations whose numbers are shown in space: more would cover the rotor
+_NUMBERED = 6  # names of operations that are shown in space: more would cover the rotor
 _SAMPLES = 24  # of the arc that shows the sense of rotation
 
 
@@ -204,11 +214,30 @@ def write_state(recording: Recording, state: State, time: Float, speed: float) -
     _write_labels(recording, f"{state.room}/plane_labels", state, state.planes, 1.0, UNBALANCE)
     _write_labels(recording, f"{state.room}/bearing_labels", state, state.bearings, -1.0, color)
     if state.operations:
-        numbers = [f"{number}" for number, _ in enumerate(state.operations, 1)]
-        few = len(numbers) <= _NUMBERED
-        spots = rr.Points3D(state.operations, labels=numbers, colors=[PLACE], radii=[1.6 * thick], show_labels=few)
+        spots = rr.Points3D(state.operations, colors=[PLACE], radii=[1.6 * thick])
         recording.static(f"{turning}/operations", spots)
+        groups = _groups(state.operations, _LINE * state.extent[0])
+        numbers = rr.Points3D(
+            [state.operations[group[0]] for group in groups],
+            labels=[numbers_text(group) for group in groups],
+            colors=[PLACE],
+            radii=[1.6 * thick],
+            show_labels=len(groups) <= _NUMBERED,
+        )
+        recording.static(f"{turning}/operations/numbers", numbers)
     yield from (f"{state.name}: {each}" for each in state.notes)
+
+
+def _groups(places: Sequence[Float], near: float) -> list[list[int]]:
+    """Return the places (3,) that have one name, by their numbers: those that are near the first of them."""
+    groups: list[list[int]] = []
+    for number, place in enumerate(places):
+        home = next((k for k in groups if np.linalg.norm(places[k[0]] - place) < near), None)
+        if home is None:
+            groups.append([number])
+        else:
+            home.append(number)
+    return groups
 
 
 def scale_text(state: State) -> str:

@@ -8,24 +8,26 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterable, Sequence
-from itertools import pairwise
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
+from scipy.optimize import isotonic_regression
 
 from inertia.arrays import Float
 from inertia.balancing.balance import Balance
+from inertia.balancing.shop_digits import shop_digits
 from inertia.balancing.shop_units import in_gmm
 from inertia.palette import GREEN, ORANGE, PINK, SKY, VERMILLION, YELLOW, rgb
 from inertia.recording.drawing import Color
-from inertia.recording.views.rotor_text import bearing_bounds, resolved, states, vector_text
+from inertia.recording.views.rotor_text import bearing_bounds, place_text, resolved, states, vector_text
 from inertia.recording.writer import Recording
 
 FARTHEST = 1.6
 """Over what is permissible, where a vector on a target ends at most."""
 TARGET_BOUNDS = (-2.2, 2.2), (-2.15, 3.72)
 """What is seen of a target, x and y (down)."""
-DIAL_BOUNDS = (-2.0, 2.0), (-1.5, 1.5)
+DIAL_BOUNDS = (-2.15, 2.15), (-1.5, 1.5)
+"""The same of the dial of places."""
 _LINE, _LETTER, _KEY = (
     0.385,
     0.065,
@@ -37,6 +39,8 @@ INK, FAINT, WHITE = (165, 170, 180), (75, 78, 86), (235, 235, 240)
 VERDICTS = {"pass": rgb(GREEN), "conditional": rgb(ORANGE), "fail": rgb(VERMILLION), "undecided": rgb(PINK)}
 """The ground of the badge."""
 
+_ASIDE, _PITCH, _ROOM = 1.65, 0.4, 7  # of names beside the dial: how far, from one to the next, how many on a side
+_WITH_ANGLES, _COUNTED = 4, 3  # places whose names have angles; numbers in a name
 _BREAK = 0.62, 0.76  # of a vector that is broken, where its gap begins and ends
 _STROKES = {  # of letters, on a grid 2 wide and 4 high
     "A": ("00 02 14 22 20", "02 22"),
@@ -104,18 +108,44 @@ def write_work(recording: Recording, path: str, balance: Balance) -> None:
     import rerun as rr
 
     recording.static(f"{path}/spots", rr.Points2D([_down(spot) for spot in spots], colors=[PLACE], radii=[0.07]))
-    few = len(operations) <= 4
-    texts = [f"{n}: {math.degrees(w.angle) % 360:.1f}°" if few else f"{n}" for n, w in enumerate(operations, 1)]
-    places = [
-        cmath.rect(radius, work.angle)
-        for radius, work in zip(_apart([work.angle for work in operations]), operations, strict=True)
-    ]
-    if few:  # labels are wide
-        places = [complex(1.25 * place.real, place.imag) for place in places]
-    leaders = [_points([spot, 0.88 * place]) for spot, place in zip(spots, places, strict=True)]
+    digits = shop_digits(balance)
+    few = len(operations) <= _WITH_ANGLES
+    leaders, names = [], {}
+    for side in (-1, 1):
+        here = [number for number, spot in enumerate(spots) if (spot.real >= 0) == (side > 0)]
+        for height, group in _beside(here, [spot.imag for spot in spots]):
+            place = complex(side * _ASIDE, height)
+            leaders += [_points([spots[number], complex(0.75 * place.real, height)]) for number in group]
+            angle = f": {place_text(operations[group[0]], digits)}" if few else ""
+            names[place + 0.17j] = f"{numbers_text(group)}{angle}"  # a label hangs below its place
     _lines(recording, f"{path}/leaders", leaders, FAINT, 0.008)
-    places = [place + 0.17j for place in places]  # a label hangs below its place
-    _labels(recording, f"{path}/numbers", places, texts)
+    _labels(recording, f"{path}/numbers", list(names), list(names.values()))
+
+
+def numbers_text(numbers: Sequence[int]) -> str:
+    """Return what operations, counted from 0, are called together.
+
+    >>> numbers_text([1]), numbers_text([0, 1, 2]), numbers_text([3, 4, 5, 6])
+    ('2', '1, 2, 3', '4, 5, …')
+    """
+    counted = [str(number + 1) for number in numbers]
+    return ", ".join(counted if len(counted) <= _COUNTED else [*counted[: _COUNTED - 1], "…"])
+
+
+def _beside(numbers: Sequence[int], heights: Sequence[float]) -> Iterator[tuple[float, list[int]]]:
+    """Yield the heights of names of spots on one side, with the spots: apart, near their own, in their order.
+
+    Neighbours have one name where there are more than have room.
+    """
+    order = sorted(numbers, key=heights.__getitem__)
+    size = math.ceil(len(order) / _ROOM)
+    groups = [sorted(order[k : k + size]) for k in range(0, len(order), size)] if order else []
+    steps = _PITCH * np.arange(len(groups))
+    wanted = [float(np.mean([heights[number] for number in group])) for group in groups]
+    lowest = -0.5 * _PITCH * (_ROOM - 1)
+    if groups:
+        free = isotonic_regression(wanted - steps).x
+        yield from zip((np.clip(free, lowest, -lowest - steps[-1]) + steps).tolist(), groups, strict=True)
 
 
 def write_verdict(recording: Recording, path: str, outcome: str) -> None:
@@ -132,16 +162,6 @@ def verdict_bounds(outcome: str) -> tuple[tuple[float, float], tuple[float, floa
     """Return what is seen of the badge, x and y: the word, in the middle."""
     width = sum(_ADVANCE.get(letter, 3.2) for letter in outcome.upper())
     return (-1.0, width - 0.2), (-1.5, 5.5)
-
-
-def _apart(angles: Sequence[float]) -> list[float]:
-    """Return radii of numbers that do not lie over each other: those of near angles (rad) by turns."""
-    order = sorted(range(len(angles)), key=angles.__getitem__)
-    radii = [1.3] * len(angles)
-    for last, this in pairwise(order):
-        if angles[this] - angles[last] < 0.25 and radii[last] == 1.3:
-            radii[this] = 1.6
-    return radii
 
 
 def _write_dial(recording: Recording, path: str, balance: Balance, radius: float) -> None:

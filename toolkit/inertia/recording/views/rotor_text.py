@@ -11,6 +11,7 @@ from pathlib import Path
 
 from inertia.balancing.balance import Balance
 from inertia.balancing.corrections.operation import Operation
+from inertia.balancing.shop_digits import ShopDigits, shop_digits
 from inertia.balancing.shop_units import in_degrees, in_gmm
 from inertia.balancing.unbalance import Unbalance
 from inertia.recording.summary import markdown, sentence
@@ -167,28 +168,36 @@ def work_text(balance: Balance) -> str:
         inside = balance.initial_verdict.outcome == "pass"
         return "Nothing has to be done." if inside else "Nothing is done: no plane has a method of correction."
     zs = {plane.id: plane.z for plane in balance.planes}
+    digits = shop_digits(balance)
     lines = ["| | Plane | Angle | Work, mm | Mass |", "|-|-|-|-|-|"]
     for number, work in enumerate(operations, 1):
-        at = f"{math.degrees(work.angle) % 360.0:.1f}°"
-        mass = f"{'+' if work.method == 'add' else '−'}{_rounded(1e3 * work.mass)} g"
-        place = f"{markdown(work.plane)}, z {1e3 * zs.get(work.plane, work.z):.6g}"
-        lines.append(f"| {number} | {place} | {at} | {_work(work)} | {mass} |")
+        at = place_text(work, digits)
+        mass = f"{'+' if work.method == 'add' else '−'}{_rounded(1e3 * work.mass, digits.mass)} g"
+        place = f"{markdown(work.plane)}, z {_plain(1e3 * zs.get(work.plane, work.z), digits.place)}"
+        lines.append(f"| {number} | {place} | {at} | {_work(work, digits)} | {mass} |")
     return "\n".join(lines)
 
 
-def _work(work: Operation) -> str:
+def place_text(work: Operation, digits: ShopDigits) -> str:
+    """Return the angle at which an operation is done."""
+    decimals = max(1, digits.angle)
+    return f"{round(math.degrees(work.angle), decimals) % 360.0:.{decimals}f}°"
+
+
+def _work(work: Operation, digits: ShopDigits) -> str:
     """Return what is done in a few words, in mm."""
-    at = f"r {1e3 * work.radius:.6g}"
+    at = f"r {_plain(1e3 * work.radius, digits.place)}"
     if work.item is not None:
         return f"{work.pieces} × {markdown(work.item)}, {at}"
-    depth = 0.0 if work.depth is None else 1e3 * work.depth
+    depth = "" if work.depth is None else _plain(1e3 * work.depth, digits.depth)
     if work.arc is not None and work.half_angle is not None:
-        return f"arc of {math.degrees(2.0 * work.half_angle):.4g}°, {depth:.4g} deep, {at}"
+        arc = _plain(math.degrees(2.0 * work.half_angle), digits.ends)
+        return f"arc of {arc}°, {depth} deep, {at}"
     if work.depth is not None and work.tool_diameter is not None:
         way = "axial" if work.kind == "drill_axial" else "radial"
-        return f"{way} Ø{1e3 * work.tool_diameter:.4g}, {depth:.4g} deep, {at}"
+        return f"{way} Ø{_plain(1e3 * work.tool_diameter, digits.tool)}, {depth} deep, {at}"
     if work.depth is not None:
-        return f"flat, {depth:.4g} deep, {at}"
+        return f"flat, {depth} deep, {at}"
     return f"point mass, {at}"
 
 
@@ -218,11 +227,16 @@ def _reasons(balance: Balance) -> Iterator[str]:
     yield from balance.verdict.why[len(planes) :]
 
 
-def _rounded(value: float) -> str:
-    """Return a value with four digits, never in powers of ten."""
+def _rounded(value: float, decimals: int = 0) -> str:
+    """Return a value with four digits, or so many decimals where these are more, never in powers of ten."""
     if value == 0:
         return "0"
-    return f"{value:.{max(0, _DIGITS - 1 - math.floor(math.log10(abs(value))))}f}"
+    return f"{value:.{max(decimals, _DIGITS - 1 - math.floor(math.log10(abs(value))))}f}"
+
+
+def _plain(value: float, decimals: int) -> str:
+    """Return a figure of the work, mm or degrees, with two decimals, or so many where these are more, but no zeros."""
+    return f"{value:.{max(2, decimals)}f}".rstrip("0").rstrip(".")
 
 
 def _raised(value: float) -> str:

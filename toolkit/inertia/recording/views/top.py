@@ -10,6 +10,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.euler_angles import to_angles
+from inertia.dynamics.models.heavy.top import MOST_EVENTS
 from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.display import Display, display_of
@@ -31,6 +32,7 @@ from inertia.recording.drawing import (
     write_trail,
 )
 from inertia.recording.playback import Frames, frames_followed, largest, longest_as
+from inertia.recording.sampling import write_series
 from inertia.recording.screen import Screen, camera, drift_plot, finished, plot, space_view, text_view, trail
 from inertia.recording.series import drift_unit, write_drift, write_events
 from inertia.recording.spin_marks import write_marks
@@ -96,6 +98,8 @@ def screen(run: Run) -> Screen:
         notes += _write_world(recording, run, body, frames, axis)
         notes += _write_sphere(recording, run, frames, axis, _cap(tilts))
         _write_angles(recording, run, axis)
+        if sum(event.name == "turning point" for event in run.events) == MOST_EVENTS:
+            notes.append(f"the first {MOST_EVENTS} turning points are marked on the plot of the tilt, no later ones")
         write_drift(recording, run)
         if portrait is not None:
             notes.append(_write_spin(recording, run))
@@ -270,12 +274,12 @@ def _write_spin(recording: Recording, run: Run) -> str:
     problem, moments = run.plan.problem, run.plan.moments
     spin = run.angular_velocity @ run.plan.axes[:, 2]
     if not moments[2]:
-        recording.scalars(entities.PLOT_SPIN, run.time, lambda rows: spin[rows, None], ["spin, rad/s"], COLORS[2:3])
+        write_series(recording, entities.PLOT_SPIN, run, lambda rows: spin[rows, None], ["spin, rad/s"], COLORS[2:3])
         return "it has no moment about its axis: no spin would keep it upright"
     least = 2.0 * np.sqrt(moments[0] * problem.weight * np.linalg.norm(problem.arm)) / moments[2]
     table = np.stack([spin, np.full_like(spin, np.copysign(least, spin[0]))], axis=1)
     names = ["spin, rad/s", "least to sleep, rad/s"]
-    recording.scalars(entities.PLOT_SPIN, run.time, table.__getitem__, names, [COLORS[2], COLORS[1]])
+    write_series(recording, entities.PLOT_SPIN, run, table.__getitem__, names, [COLORS[2], COLORS[1]])
     sleeps = "enough" if abs(spin[0]) >= least else "too slow"
     return (
         f"upright it would sleep from {least:.4g} rad/s about its axis on: its spin of {abs(spin[0]):.4g} is {sleeps}"
@@ -289,8 +293,8 @@ def _write_angles(recording: Recording, run: Run, axis: Axis) -> None:
     up, along, tilt = axis.vertical[:, 2], run.angular_velocity @ axis.axes[:, 2], angles[:, 1]
     square = np.sin(tilt) ** 2
     rate = np.divide(omega @ up - along * np.cos(tilt), square, out=np.zeros_like(square), where=square > _UPRIGHT)
-    recording.scalars(entities.PLOT_PRECESSION, run.time, lambda rows: rate[rows, None], ["φ rate, rad/s"], COLORS[:1])
-    recording.scalars(entities.PLOT_TILT, run.time, lambda rows: angles[rows, 1:2], ["θ, rad"], COLORS[1:2])
+    write_series(recording, entities.PLOT_PRECESSION, run, lambda rows: rate[rows, None], ["φ rate, rad/s"], COLORS[:1])
+    write_series(recording, entities.PLOT_TILT, run, lambda rows: angles[rows, 1:2], ["θ, rad"], COLORS[1:2])
     write_events(recording, entities.PLOT_TILT, run, "turning point", lambda there: axis.angles(there.attitude)[:, 1])
     names, colors = ["φ, rad", "ψ, rad"], [COLORS[0], COLORS[2]]
-    recording.scalars(entities.PLOT_EULER_ANGLES, run.time, lambda rows: angles[rows, ::2], names, colors)
+    write_series(recording, entities.PLOT_EULER_ANGLES, run, lambda rows: angles[rows, ::2], names, colors)

@@ -12,6 +12,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.models.free.flips import polhode_period
+from inertia.dynamics.models.free.motion import MOST_EVENTS
 from inertia.dynamics.plots.subject import numbered
 from inertia.dynamics.run import Run
 from inertia.recording import entities
@@ -52,7 +53,7 @@ from inertia.recording.series import (
     write_events,
 )
 from inertia.recording.spin_marks import spin_axes, write_marks
-from inertia.recording.summary import summary, title
+from inertia.recording.summary import figure, summary, title
 from inertia.recording.views.loads import write_weight
 from inertia.recording.views.momentum_space import write_momentum_space
 from inertia.recording.views.poinsot import poinsot_view, rolls, write_poinsot
@@ -102,6 +103,7 @@ def screen(run: Run) -> Screen:
         if "energy" not in run.invariants:
             write_energy(recording, run)
         _write_flips(recording, run)
+        notes += _unlisted_flips(run)
         write_text(recording, summary(run, [*notes, frames.note]))
 
     return Screen("inertia-tumble", title(run), _blueprint(run, body, frames), write, frames.play.second)
@@ -268,6 +270,16 @@ def _cone(axis: Float, half_angle: float) -> Float:
 
 def _flips(run: Run) -> list[float]:
     return [event.time for event in run.events if event.name == "flip"]
+
+
+def _unlisted_flips(run: Run) -> Iterator[str]:
+    """Say why a body that flips has no timeline of it: the model lists so many flips at most."""
+    duration, period = float(run.time[-1]), float(run.quantities.get("flip period", np.inf))
+    if not _flips(run) and duration > MOST_EVENTS * period:
+        yield (
+            f"the body flips every {period:.4g} s, about {figure(duration / period)} times: they are too many to be "
+            f"marked on ω and on a timeline, where up to {MOST_EVENTS} are"
+        )
 
 
 def _intermediate(run: Run) -> tuple[int, Float]:

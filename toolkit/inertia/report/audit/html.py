@@ -45,7 +45,8 @@ def write_audit(audit: Audit, file: str | os.PathLike[str], *, force: bool = Fal
 def picture(link: LinkAudit) -> Markup | None:
     """Return three views of a link: outlines of its shapes, ellipsoids of the stated and of the computed tensor.
 
-    The ellipsoid is the solid one of the same mass, centre and tensor (half axes √(5 S/m), S = ∫ r rᵀ dm).
+    The ellipsoid is the solid one of the same mass, centre and tensor (half axes √(5 S/m), S = ∫ r rᵀ dm). What no body
+    can have has none, in no view: seen along an axis it may seem to.
     """
     if link.stated is None or not link.shapes:
         return None
@@ -53,11 +54,12 @@ def picture(link: LinkAudit) -> Markup | None:
     if link.computed is not None:
         computed = link.computed
         bodies.append((Body(computed.mass, computed.center_of_mass, computed.inertia), "computed"))
+    possible = bodies[1:] if link.state == "unphysical" else bodies
     canvas = Canvas(3 * _SIZE, _SIZE + 4, f"{link.name}: stated and computed ellipsoid")
     for number, (across, up) in enumerate(_VIEWS):
         pair = ["xyz".index(across), "xyz".index(up)]
         outlines = [_outline(shape, pair) for shape in link.shapes]
-        curves = [(curve, style) for body, style in bodies if (curve := _ellipse(body, pair)) is not None]
+        curves = [(_ellipse(body, pair), style) for body, style in possible]
         every = np.concatenate([*outlines, *(curve for curve, _ in curves)])
         low, high = every.min(axis=0), every.max(axis=0)
         scale = (_SIZE - 2 * _MARGIN) / max(float((high - low).max()), 1e-300)
@@ -90,12 +92,10 @@ def _outline(shape: Shape, pair: list[int]) -> Float:
         return points[[0, -1]]
 
 
-def _ellipse(body: Body, pair: list[int]) -> Float | None:
-    """Return the outline (k, 2) of the equivalent ellipsoid, seen along an axis; None where no body has the tensor."""
-    second = (np.trace(body.inertia) / 2 * np.eye(3) - body.inertia) / body.mass if body.mass > 0 else -np.eye(3)
+def _ellipse(body: Body, pair: list[int]) -> Float:
+    """Return the outline (k, 2) of the equivalent ellipsoid, seen along an axis: a line, of a sheet from its edge."""
+    second = (np.trace(body.inertia) / 2 * np.eye(3) - body.inertia) / body.mass
     squares, axes = np.linalg.eigh(5 * second[np.ix_(pair, pair)])
-    if not (squares > 0).all():
-        return None
     angles = np.linspace(0, 2 * np.pi, _POINTS, endpoint=False)
     circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    return np.asarray(body.center[pair] + circle * np.sqrt(squares) @ axes.T)
+    return np.asarray(body.center[pair] + circle * np.sqrt(squares.clip(min=0.0)) @ axes.T)

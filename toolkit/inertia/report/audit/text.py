@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from inertia.auditing.audit import Audit
 from inertia.auditing.judge import Finding, LinkAudit
+from inertia.report.numerals import table
 
 _LEAST_SHARE, _LEAST_LENGTH = 1e-4, 1e-6  # what is less matters to nobody
 _HEAD = ("link", "stated", "mass", "centre", "tensor", "")
@@ -24,13 +25,7 @@ def _lines(audit: Audit) -> Iterator[str]:
     yield f"Stated against computed, link by link; they agree within {100 * audit.tolerance:g} %."
     yield ""
     rows = [_HEAD, *(_row(link) for link in audit.links)]
-    widths = [max(len(row[k]) for row in rows) for k in range(len(_HEAD))]
-    for row in rows:
-        cells = (
-            cell.ljust(width) if k in (0, 5) else cell.rjust(width)
-            for k, (cell, width) in enumerate(zip(row, widths, strict=True))
-        )
-        yield "  ".join(cells).rstrip()
+    yield from table(rows, left=(0, 5))
     for link in audit.links:
         if link.findings and link.state != "consistent":
             yield ""

@@ -24,13 +24,14 @@ from inertia.balancing.machine_angles import MachineAngles
 from inertia.balancing.monte_carlo import Scatter
 from inertia.balancing.rotor_bodies import ChordFrom
 from inertia.balancing.rotor_fields import ReportFields, ServiceFields
+from inertia.balancing.shop_digits import ShopDigits
 from inertia.balancing.shop_units import angular_speed, in_gmm
 from inertia.balancing.tolerance import Share, Tolerance
 from inertia.balancing.unbalance import Kind as UnbalanceKind
 from inertia.balancing.verdict import Outcome, Verdict
 from inertia.mesh.part import Part
 from inertia.records import dataclass
-from inertia.report.numerals import decimals_of
+from inertia.report.numerals import decimals_of, grams
 
 MM = 1e3
 """mm in a metre."""
@@ -265,6 +266,7 @@ class ReportData:
     indexing : how the bodies are put together; None where none may be turned
     assembled : whether the rotor is an assembly
     machine : how the balancing machine counts angles
+    digits : decimals that the figures of the work take
     """
 
     rotor: str
@@ -306,6 +308,7 @@ class ReportData:
     assembled: bool = False
     assembly_file: tuple[str, str] | None = None
     machine: MachineAngles = MachineAngles()
+    digits: ShopDigits = ShopDigits()
 
     @property
     def part(self) -> str:
@@ -326,6 +329,10 @@ class ReportData:
     def gmm_decimals(self) -> int:
         """Of unbalances, g·mm, as they are printed (`inertia.report.numerals.scaled`): four digits of the limits."""
         return decimals_of(min(in_gmm(k.permissible) for k in self.bearings))
+
+    def grams(self, mass: float) -> str:
+        """Return a mass of the work, g, written as the others of it are."""
+        return grams(mass, self.digits.mass, min(work.mass for work in self.operations))
 
     @property
     def force_decimals(self) -> int:

@@ -17,6 +17,7 @@ from inertia.balancing.machine_angles import MachineAngles
 from inertia.balancing.monte_carlo_terms import operation_terms
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.rotor_bodies import RotorBody
+from inertia.balancing.shop_digits import shop_digits
 from inertia.balancing.unbalance import Unbalance
 from inertia.errors import ReadError
 from inertia.mesh.version import CHANGED
@@ -86,6 +87,7 @@ def report_data(balance: Balance, date: str | None = None, machine: MachineAngle
         assembled=rotor.assembly is not None,
         assembly_file=_assembly_file(rotor),
         machine=machine,
+        digits=shop_digits(balance, machine),
     )
 
 

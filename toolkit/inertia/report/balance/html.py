@@ -15,6 +15,7 @@ from markupsafe import Markup
 
 from inertia.arrays import Float
 from inertia.balancing.bounds import Source
+from inertia.balancing.shop_digits import ShopDigits
 from inertia.balancing.shop_units import (
     GRAM_MILLIMETRE,
     GRAM_SQUARE_MILLIMETRE,
@@ -26,7 +27,7 @@ from inertia.balancing.shop_units import (
 from inertia.balancing.tolerance import Share
 from inertia.output import require_writable, write_whole
 from inertia.report.balance.data import KINDS, MM, TURNS, BodyRow, OperationRow, PlaneRow, ReportData
-from inertia.report.numerals import decimals_of, direction, fixed, grams, plain, scaled, significant
+from inertia.report.numerals import decimals_of, direction, fixed, plain, scaled, significant
 from inertia.report.svg.canvas import rectangular
 from inertia.report.svg.convention import convention
 from inertia.report.svg.end_view import end_view
@@ -66,7 +67,9 @@ def balance_html(data: ReportData) -> str:
         fixed=fixed,
         plain=plain,
         direction=direction,
-        grams=grams,
+        grams=data.grams,
+        angle=lambda angle: direction(angle, max(1, data.digits.angle)),
+        place=lambda value: fixed(value, max(data.decimals, data.digits.place)),
         kilograms=_kilograms,
         millimetres=lambda value: fixed(value, data.decimals),
         magnitude=lambda value: significant(abs(value)),
@@ -78,15 +81,15 @@ def balance_html(data: ReportData) -> str:
         ounces2=lambda value: scaled(abs(value) / (OUNCE_INCH * INCH), data.gmm_decimals + 1),
         file_name=_file_name,
         share=_share,
-        tool=_tool,
-        what=lambda plane: _what(plane, data.decimals),
+        tool=lambda work: _tool(work, data.digits),
+        what=lambda plane: _what(plane, max(data.decimals, data.digits.place)),
     )
     wraps = list(_wraps(data))
     unwrapped = [plane for plane, pieces in wraps if not pieces]
     sensitivities = [line for line in data.scatter.sensitivities if line.share.max() > _LEAST_SHARE]
     return environment.get_template("balance.html.j2").render(
         data=data,
-        turned=[f"{math.degrees(turn) % 360:.4g}°" for turn in data.indexing.turns] if data.indexing else [],
+        turned=[f"{degrees}°" for degrees in data.indexing.degrees] if data.indexing else [],
         rotor_facts=list(_rotor_facts(data)),
         service_facts=list(_service_facts(data)),
         zero_mark=f"toward ({_listed(data.zero_mark)}) of the part's axes",
@@ -103,9 +106,9 @@ def balance_html(data: ReportData) -> str:
         plots=_plots(data),
         keys={style: key(style) for style in STYLES},
         few=_FEW,
-        steps=[_step(work, data.decimals) for work in data.operations],
+        steps=[_step(work, data) for work in data.operations],
         end_views=[end_view(k, data.section(k), data.steps(k)) for k in data.planes if data.steps(k)],
-        strip=strip(unwrapped, data.operations) if unwrapped else None,
+        strip=strip(unwrapped, data.operations, max(1, data.digits.angle)) if unwrapped else None,
         wraps=[piece for _, pieces in wraps for piece in pieces],
         in_line=0 < len(data.planes) <= _IN_LINE,
         forbidden=any(plane.forbidden for plane in data.planes),
@@ -234,34 +237,36 @@ def _face(plane: PlaneRow) -> str:
     return "outside" if plane.method in ("drill_radial", "mill", "mill_arc") else "–"
 
 
-def _tool(work: OperationRow) -> str:
+def _tool(work: OperationRow, digits: ShopDigits) -> str:
     if work.item is not None:
         return f"{work.pieces} × {work.item}"
-    width = "" if work.width is None else f", {plain(work.width, 2)} mm wide"
+    width = "" if work.width is None else f", {plain(work.width, max(2, digits.tool))} mm wide"
     passes = f", {work.passes} passes" if work.passes > 1 else ""
-    return f"{KINDS[work.kind]}{_from_to(work)}{width}{passes}"
+    return f"{KINDS[work.kind]}{_from_to(work, digits)}{width}{passes}"
 
 
-def _from_to(work: OperationRow) -> str:
+def _from_to(work: OperationRow, digits: ShopDigits) -> str:
     """Return where an arc begins and ends on the machine, and how long it is on the rim."""
     if work.machine_ends is None:
         return ""
-    start, stop = work.machine_ends
-    return f" from {direction(start)}° to {direction(stop)}°, {fixed(work.along_rim, 1)} mm along the rim"
+    start, stop = (direction(end, max(1, digits.ends)) for end in work.machine_ends)
+    return f" from {start}° to {stop}°, {fixed(work.along_rim, 1)} mm along the rim"
 
 
-def _step(work: OperationRow, decimals: int) -> str:
+def _step(work: OperationRow, data: ReportData) -> str:
     """Return what is done in one step, in words, but for its angle."""
-    deep = "" if work.depth is None else f", {fixed(work.depth, decimals)} mm deep"
+    decimals, digits = data.decimals, data.digits
+    deep = "" if work.depth is None else f", {fixed(work.depth, max(decimals, digits.depth))} mm deep"
     if work.point_alone is not None:
         deep = f", its point alone, {fixed(work.point_alone, decimals)} mm deep at the tip"
     if work.method == "remove":
-        bit = "" if work.diameter is None else f" Ø{plain(work.diameter, max(decimals, 3))}"
+        bit = "" if work.diameter is None else f" Ø{plain(work.diameter, max(decimals, digits.tool))}"
         passes = f" in {work.passes} passes" if work.passes > 1 else ""
-        what = f"{KINDS[work.kind]}{_from_to(work)}{bit and f',{bit}' if work.ends else bit}{deep}{passes}"
+        what = f"{KINDS[work.kind]}{_from_to(work, digits)}{bit and f',{bit}' if work.ends else bit}{deep}{passes}"
     else:
-        what = _tool(work)
-    return f"{what}, radius {fixed(work.radius, decimals)} mm, {grams(work.mass)} g"
+        what = _tool(work, digits)
+    radius, mass = fixed(work.radius, max(decimals, digits.place)), data.grams(work.mass)
+    return f"{what}, radius {radius} mm, {mass} g"
 
 
 def _wraps(data: ReportData) -> Iterator[tuple[PlaneRow, list[Markup]]]:
@@ -269,7 +274,7 @@ def _wraps(data: ReportData) -> Iterator[tuple[PlaneRow, list[Markup]]]:
     for plane in data.planes:
         if steps := data.steps(plane):
             outside = plane.method != "drill_axial"
-            yield plane, wrap(plane, steps, data.machine.of) if outside else []
+            yield plane, wrap(plane, steps, data.machine.of, data.digits) if outside else []
 
 
 def _total(bounds: Mapping[Source, float]) -> float:

@@ -11,7 +11,7 @@ from inertia.arrays import Float
 from inertia.balancing.bounds import Source
 from inertia.balancing.shop_units import GRAM_MILLIMETRE, GRAM_SQUARE_MILLIMETRE, in_degrees, in_gmm
 from inertia.report.balance.data import KINDS, MM, TURNS, BodyRow, OperationRow, ReportData
-from inertia.report.numerals import direction, fixed, grams, number, row, scaled, significant, wrapped
+from inertia.report.numerals import direction, fixed, number, row, scaled, significant, wrapped
 
 _ID = 12
 _LISTED = 6  # lines of the sensitivity table
@@ -123,8 +123,8 @@ def _together(data: ReportData) -> Iterator[str]:
         return
     width = max([_ID, *(len(name) + 2 for name in (*indexing.names, *dict(indexing.moves)))])
     yield "Put together"
-    for name, turn in zip(indexing.names, indexing.turns, strict=True):
-        yield f"  {name:<{width}}turned by {math.degrees(turn) % 360:.4g}°"
+    for name, degrees in zip(indexing.names, indexing.degrees, strict=True):
+        yield f"  {name:<{width}}turned by {degrees}°"
     for part, other in indexing.moves:
         yield f"  {part:<{width}}" + ("stays in its place" if other == part else f"in the place of {other}")
     planes = zip(data.bearings, indexing.planes_as_filed, indexing.planes_left, strict=True)
@@ -168,24 +168,26 @@ def _operations(data: ReportData) -> Iterator[str]:
         names = f"{'z':>9}{'angle':>9}{'radius':>9}{'tool':>8}{'depth':>8}{'mass, g':>10}{'wall':>9}"
         yield f"{'Work, in mm':<{width + 21}}{names}"
     for work in data.operations:
-        yield _operation(work, width, data.decimals)
+        yield _operation(work, width, data)
     yield from wrapped("Correction", data.ending)
     if data.plan:
         yield from wrapped("Plan", data.plan)
 
 
-def _operation(work: OperationRow, width: int, decimals: int) -> str:
+def _operation(work: OperationRow, width: int, data: ReportData) -> str:
+    decimals, digits = data.decimals, data.digits
+    place, deep = max(decimals, digits.place), max(decimals, digits.depth)
     what = f"{work.method} {KINDS[work.kind]}" if work.item is None else f"add {work.pieces} × {work.item}"
     if work.ends is not None:
-        what += f" of {work.span:.1f}°"
+        what += f" of {fixed(work.span, max(1, digits.ends))}°"
     tool = "" if work.diameter is None else f"Ø{number(round(work.diameter, 6))}"
-    depth = "" if work.depth is None else fixed(work.depth, decimals)
+    depth = "" if work.depth is None else fixed(work.depth, deep)
     if work.point_alone is not None:
         depth = "point"
     wall = "" if work.wall is None else fixed(work.wall, decimals)
     return (
-        f"{work.id:<{width}}{what:<21}{fixed(work.z, decimals):>9}{f'{direction(work.angle, 2)}°':>9}"
-        f"{fixed(work.radius, decimals):>9}{tool:>8}{depth:>8} {grams(work.mass):>9}{wall:>9}"
+        f"{work.id:<{width}}{what:<21} {fixed(work.z, place):>8} {f'{direction(work.angle, max(2, digits.angle))}°':>8}"
+        f" {fixed(work.radius, place):>8} {tool:>7} {depth:>7} {data.grams(work.mass):>9} {wall:>8}"
     ).rstrip()
 
 

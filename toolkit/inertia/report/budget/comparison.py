@@ -12,7 +12,7 @@ from inertia.arrays import Float
 from inertia.assembly.compare import SPREAD, Change, Comparison, Own
 from inertia.report.budget.document import COLUMNS, limit_document, spread_document
 from inertia.report.budget.text import figure, limit_words
-from inertia.report.numerals import columns, row
+from inertia.report.numerals import columns, row, table
 
 _UNSURE = (
     "No part changed by itself, but the uncertainty of the whole did: parts have other inputs in common than before, "
@@ -101,10 +101,7 @@ def _lines(comparison: Comparison) -> Iterator[str]:
         heads,
         *((*_row(each, metres, nothing), more) for each, more in zip(comparison.changes, beside, strict=True)),
     ]
-    widths = [max(len(each[k]) for each in rows) for k in range(len(heads))]
-    for each in rows:
-        cells = (f"{cell:{'>' if 1 < k < len(heads) - 1 else '<'}{widths[k]}}" for k, cell in enumerate(each))
-        yield "  ".join(cells).rstrip()
+    yield from table(rows, left=(0, 1, len(heads) - 1))
 
 
 def _row(change: Change, metres: float, nothing: float) -> tuple[str, ...]:

@@ -22,6 +22,7 @@ from inertia.report.templates import templates
 from inertia.units import Unit
 
 _BARS = 8
+_LABEL = 28  # characters that fit beside a bar
 _SIZE = 60.0  # mm
 _VIEWS = ((0, 1), (0, 2), (1, 2))
 
@@ -134,7 +135,7 @@ def _pareto(labels: tuple[str, ...], shares: Float, caption: str) -> Markup:
     for k, index in enumerate(order.tolist()):
         top = 6.0 * k + 1
         share = float(shares[index])
-        label = labels[index] if len(labels[index]) <= 34 else f"{labels[index][:33]}…"
+        label = labels[index] if len(labels[index]) <= _LABEL else f"{labels[index][: _LABEL - 1]}…"
         canvas.text((48, top + 3.4), label, anchor="end", size=2.6)
         canvas.rectangle((50, top), 56 * share, 4, "bar")
         canvas.text((121, top + 3.2), f"{100 * share:.1f} %", anchor="end", size=2.6)

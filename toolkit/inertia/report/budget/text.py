@@ -13,7 +13,7 @@ from inertia.assembly.interference import Interference
 from inertia.assembly.limits import COVERAGE, Limit, Verdict
 from inertia.assembly.lines import Line
 from inertia.report.budget.document import COLUMNS, contributors
-from inertia.report.numerals import cleared, columns, fixed, number, row, wrapped
+from inertia.report.numerals import cleared, columns, fixed, number, row, table, wrapped
 from inertia.units import Unit
 
 _LISTED = 60  # lines of the tree
@@ -110,13 +110,7 @@ def _tree(total: Line, unit: Unit) -> Iterator[str]:
                 *(f"{k + 0.0:.5g}" if abs(k) > _NOTHING else "0" for k in center.tolist()),
             )
         )
-    widths = [max(len(each[k]) for each in rows) for k in range(len(rows[0]))]
-    for each in rows:
-        cells = (
-            cell.rjust(width) if k else cell.ljust(width)
-            for k, (cell, width) in enumerate(zip(each, widths, strict=True))
-        )
-        yield "  ".join(cells).rstrip()
+    yield from table(rows)
     if len(lines) > _LISTED:
         yield f"… and {len(lines) - _LISTED} more: CSV, JSON and the report have them all"
 
@@ -199,14 +193,15 @@ def _contributors(whole: Budget) -> Iterator[str]:
     bounds = [0.0, *3 * [whole.properties.error.center_of_mass], *3 * [_tensor_bound(whole)]]
     spread = [sigma.mass, *sigma.center_of_mass.tolist(), *sigma.inertia.diagonal().tolist()]
     real = [u > bound for u, bound in zip(spread, bounds, strict=True)]  # what is less is rounding
-    width = max(len(each["input"]) for each in first)
-    yield f"{'':{width}}  " + "  ".join(
-        name.removeprefix("center_of_mass.").replace("inertia.", "I").rjust(5) for name in shown
-    )
-    for each in first:
-        yield f"{each['input']:<{width}}  " + "  ".join(
-            f"{100 * each['share'][name] * is_real:5.1f}" for name, is_real in zip(shown, real, strict=True)
+    heads = [name.removeprefix("center_of_mass.").replace("inertia.", "I").rjust(5) for name in shown]
+    rows = [
+        (
+            each["input"],
+            *(f"{100 * each['share'][name] * is_real:.1f}" for name, is_real in zip(shown, real, strict=True)),
         )
+        for each in first
+    ]
+    yield from table([("", *heads), *rows])
 
 
 def _notes(notes: tuple[str, ...]) -> Iterator[str]:

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from inertia.balancing.bounds import COVERAGE
 from inertia.balancing.corrections.operation import Operation
-from inertia.balancing.measured.estimate import COVERAGE
 from inertia.balancing.measured.measure import MeasuredPlane, MeasuredRun, Measurement
 from inertia.balancing.shop_units import GRAM_MILLIMETRE, in_degrees
 from inertia.documents import plain

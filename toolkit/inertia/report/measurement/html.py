@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from markupsafe import Markup
 
-from inertia.balancing.measured.measure import Measurement
+from inertia.balancing.measured.measure import Measurement, work_digits
 from inertia.balancing.shop_units import GRAM_MILLIMETRE
 from inertia.report.measurement.document import Document, measurement_document
 from inertia.report.measurement.text import (
@@ -38,10 +38,12 @@ def certificate_html(result: Measurement) -> str:
     It states the rotor, the machine and its calibration, the balancing speed, how readings count, every run from the
     first to the last, the residual unbalance with its uncertainty against what is permissible, and who did it.
     """
+    digits = work_digits(result)
     environment = templates(
         "inertia.report.measurement",
         figure=figure, direction=direction, reading=reading_text, weight=weight_text, mounted=mounted_text,
-        pieces=pieces_text, work=work_text, uncertainty=uncertainty_text, breakable=_breakable,
+        pieces=lambda plane: pieces_text(plane, digits), work=lambda work: work_text(work, digits),
+        uncertainty=uncertainty_text, breakable=_breakable,
     )  # fmt: skip
     document = measurement_document(result)
     return environment.get_template("certificate.html.j2").render(

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from inertia.balancing.measured.measure import Measurement
+from inertia.balancing.measured.measure import Measurement, work_digits
+from inertia.balancing.shop_digits import ShopDigits
 from inertia.report.measurement.document import Document, measurement_document
 from inertia.report.numerals import direction, fixed, row, significant, wrapped
 
@@ -23,7 +24,7 @@ def measurement_text(result: Measurement) -> str:
         _head(document),
         _log(document),
         _planes(document),
-        _work(document),
+        _work(document, work_digits(result)),
         _closing(document),
     ]
     return "\n\n".join("\n".join(lines) for block in blocks if (lines := list(block)))
@@ -58,14 +59,17 @@ def conventions_text(document: Document) -> str:
     return text + (f"; phases {conventions['phase']}" if "phase" in conventions else "")
 
 
-def figure(value: float) -> str:
+def figure(value: float, least: int = 0) -> str:
     """Return a value with four significant digits and three decimals at most, or below 0.01 with three digits.
 
-    >>> figure(9.99999999), figure(0.06), figure(0.00042)
-    ('10.00', '0.060', '0.000420')
+    At least it has so many decimals.
+
+    >>> figure(9.99999999), figure(0.06), figure(0.00042), figure(123.456, 2)
+    ('10.00', '0.060', '0.000420', '123.46')
     """
     rounded = float(f"{value:.3e}")
-    return significant(float(f"{value:.2e}"), 3, 9) if 0 < abs(rounded) < 0.01 else significant(rounded)
+    text = significant(float(f"{value:.2e}"), 3, 9) if 0 < abs(rounded) < 0.01 else significant(rounded)
+    return text if len(text.partition(".")[2]) >= least else fixed(value, least)
 
 
 def reading_text(reading: Document) -> str:
@@ -128,33 +132,34 @@ def uncertainty_text(uncertainty: float | None) -> str:
     return "no bound" if uncertainty is None else figure(uncertainty)
 
 
-def pieces_text(plane: Document) -> str:
+def pieces_text(plane: Document, digits: ShopDigits) -> str:
     """Return what is to be mounted in a plane."""
     masses = []
     for piece in plane["pieces"]:
-        what = f"{piece['pieces']} × {piece['item']}" if piece["item"] else f"{figure(piece['g'])} g"
-        masses.append(f"{what} at {direction(piece['deg'])}°")
+        what = f"{piece['pieces']} × {piece['item']}" if piece["item"] else f"{figure(piece['g'], digits.mass)} g"
+        masses.append(f"{what} at {direction(piece['deg'], max(1, digits.angle))}°")
     return ", ".join(masses) or "nothing"
 
 
-def work_text(work: Document) -> str:
+def work_text(work: Document, digits: ShopDigits) -> str:
     """Return an operation on the rotor."""
-    mass, unbalance = figure(work["mass_g"]), f"{figure(work['unbalance_gmm'])} g·mm"
+    mass, unbalance = figure(work["mass_g"], digits.mass), f"{figure(work['unbalance_gmm'])} g·mm"
     item = "" if work["item"] is None else f" ({work['pieces']} × {work['item']})"
-    radius, center = figure(work["radius_mm"]), figure(work["unbalance_gmm"] / work["mass_g"])
+    radius, center = (figure(k, digits.place) for k in (work["radius_mm"], work["unbalance_gmm"] / work["mass_g"]))
     # A hole goes in from its radius: what it takes has its centre farther in, and counts there.
     size = f"{mass} g" if center == radius else f"{mass} g whose centre is at radius {center} mm"
     begins = "radius" if center == radius else "from radius"
-    where = f"{direction(work['job_angle_deg'])}°, {begins} {radius} mm, z {fixed(work['z_mm'], 2)} mm"
-    tool = "" if work["tool_diameter_mm"] is None else f", Ø{figure(work['tool_diameter_mm'])}"
-    depth = "" if work["depth_mm"] is None else f", {fixed(work['depth_mm'], 2)} mm deep"
+    angle, z = direction(work["job_angle_deg"], max(1, digits.angle)), fixed(work["z_mm"], max(2, digits.place))
+    where = f"{angle}°, {begins} {radius} mm, z {z} mm"
+    tool = "" if work["tool_diameter_mm"] is None else f", Ø{figure(work['tool_diameter_mm'], digits.tool)}"
+    depth = "" if work["depth_mm"] is None else f", {fixed(work['depth_mm'], max(2, digits.depth))} mm deep"
     return f"{work['id']}: {work['method']} {size} = {unbalance}{item} at {where}{tool}{depth}"
 
 
-def _work(document: Document) -> Iterator[str]:
+def _work(document: Document, digits: ShopDigits) -> Iterator[str]:
     if document["corrected"] is not None:
         for k, work in enumerate(document["corrections"]):
-            yield from wrapped("" if k else "To do", work_text(work))
+            yield from wrapped("" if k else "To do", work_text(work, digits))
         if not document["corrections"]:
             yield row("To do", "nothing")
         for k, sentence in enumerate(document["corrected"]["why"]):
@@ -163,7 +168,7 @@ def _work(document: Document) -> Iterator[str]:
     if not any(plane["pieces"] for plane in document["planes"]):
         return
     for k, plane in enumerate(document["planes"]):
-        yield row("" if k else "To mount", f"plane {plane['id']}: {pieces_text(plane)}")
+        yield row("" if k else "To mount", f"plane {plane['id']}: {pieces_text(plane, digits)}")
     yield from wrapped("Then, predicted", ", ".join(_then(k) for k in document["predicted"]))
 
 

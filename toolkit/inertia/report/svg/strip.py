@@ -33,9 +33,9 @@ class _Label:
     level: int
 
 
-def strip(planes: Sequence[PlaneRow], operations: Sequence[OperationRow]) -> Markup:
-    """Return the strip, from 0° to 360°."""
-    lanes = [(plane, _labelled(plane, operations)) for plane in sorted(planes, key=lambda k: -k.z)]
+def strip(planes: Sequence[PlaneRow], operations: Sequence[OperationRow], decimals: int = 1) -> Markup:
+    """Return the strip, from 0° to 360°; angles of operations have so many decimals."""
+    lanes = [(plane, _labelled(plane, operations, decimals)) for plane in sorted(planes, key=lambda k: -k.z)]
     height = _TOP + sum(_LANE + _LEVEL * deep for _, (_, deep) in lanes) + 7.0
     canvas = Canvas(_WIDTH, height, "where the operations are on the turn, a lane for each correction plane")
     bottom = height - 7.0
@@ -57,7 +57,7 @@ def strip(planes: Sequence[PlaneRow], operations: Sequence[OperationRow]) -> Mar
     return canvas.markup()
 
 
-def _labelled(plane: PlaneRow, operations: Sequence[OperationRow]) -> tuple[list[_Label], int]:
+def _labelled(plane: PlaneRow, operations: Sequence[OperationRow], decimals: int) -> tuple[list[_Label], int]:
     """Return the labels of a plane's operations, and how many levels there are above the lowest.
 
     The angles are left out where labels with them would pile up.
@@ -65,7 +65,7 @@ def _labelled(plane: PlaneRow, operations: Sequence[OperationRow]) -> tuple[list
     here = sorted((k for k in operations if k.plane == plane.id), key=lambda k: k.angle)
     deep: list[int] = []
     for with_angle in (True, False):
-        texts = [f"{k.id}: {direction(k.angle)}°" if with_angle else k.id for k in here]
+        texts = [f"{k.id}: {direction(k.angle, decimals)}°" if with_angle else k.id for k in here]
         widths = [text_width(text, _TEXT) + 1.0 for text in texts]
         places = [_inside(_x(k.angle), 0.5 * width) for k, width in zip(here, widths, strict=True)]
         deep = levels(places, widths)
