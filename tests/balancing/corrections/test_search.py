@@ -10,8 +10,10 @@ from hypothesis import strategies as st
 from tests.balancing.corrections.workpieces import POINT, STEEL, drilled
 
 from inertia.balancing.correction_loop import tools_of_density
+from inertia.balancing.corrections import sharing as sharing_module
 from inertia.balancing.corrections.correction_plane import CorrectionPlane, KitWeight, Sector, evenly
 from inertia.balancing.corrections.drilling import radial_unbalance
+from inertia.balancing.corrections.least_residual import least_residual
 from inertia.balancing.corrections.places import Places
 from inertia.balancing.corrections.search import AIM, best_plan
 from inertia.balancing.corrections.sharing import Sharing
@@ -84,6 +86,31 @@ def test_no_plan_keeps_a_place_that_it_is_better_without():
         rests = [places.rest(plan.spots[:k] + plan.spots[k + 1 :]) for k in range(len(plan.spots))]
         goal = next((each for each in (AIM, 1.0) if plan.worst <= each), 0.0)
         assert all(np.abs(rest).max() > goal for rest in rests)
+
+
+@pytest.mark.parametrize("count", [5, 12])
+def test_of_many_planes_no_more_is_looked_at_than_there_is_time_for(count, monkeypatch):
+    solved = 0
+
+    def counted(*arguments):
+        nonlocal solved
+        solved += 1
+        assert solved < 300  # of the millions of ways to share eight holes
+        return least_residual(*arguments)
+
+    monkeypatch.setattr(sharing_module, "least_residual", counted)
+    planes = [drilled(str(k), 20 + 10 * k, 40, 4, max_depth=12, depth_step=0.1) for k in range(count)]
+    at = np.linspace(0.0, 1.0, count)
+    start = 3e-4 * np.array([0.8, 1.0]) * np.exp(0.7j)
+    plan, places = searched(planes, np.array([1 - at, at]), start, seconds=0.0, limit=1e-5)
+    assert places
+    assert plan.cut_short
+    assert plan.worst < np.abs(start / 1e-5).max()
+    assert plan.fewest <= len(places) or plan.worst > 1
+    monkeypatch.undo()
+    plan, places = searched(planes, np.array([1 - at, at]), start, seconds=2.0, limit=1e-5)
+    assert plan.worst <= 1
+    assert plan.fewest <= len(places)
 
 
 @pytest.mark.parametrize("heavy", [10e-3, 60e-3, 1.0])

@@ -254,7 +254,8 @@ class _Loop:
     def _bounded_as_cut(self, places: Places, work: _Work, plan: Plan) -> Plan:
         """Return a plan with what no plan beats if none is farther from its closed forms than what was cut."""
         gains, apart = self._gains_as_cut(places.steps, places.gains, work)
-        sharing, number = Sharing(replace(places, gains=gains)), len(work.places)
+        seconds = max(self.deadline - thread_time(), _LEAST)
+        sharing, number = Sharing(replace(places, gains=gains, seconds=seconds)), len(work.places)
         return replace(
             plan,
             bound=max(sharing.bound(number) - number * apart, 0.0),

@@ -51,9 +51,14 @@ class Places:
     _sizes: dict[int, Complex] = field(default_factory=dict, init=False)
     _directions: dict[int, Complex] = field(default_factory=dict, init=False)
 
+    @property
+    def elapsed(self) -> float:
+        """Processor time (s) since the search began."""
+        return thread_time() - self._begun
+
     def late(self) -> bool:
         """Say whether the time is up."""
-        if thread_time() - self._begun > self.seconds:
+        if self.elapsed > self.seconds:
             self.cut_short = True
         return self.cut_short
 

@@ -342,5 +342,6 @@ def no_room(bodies: Sequence[Body], tool: Tool, angle: float) -> GeometryError:
         )
     return GeometryError(
         f"plane {plane.id!r} at z = {1e3 * plane.z:.6g} mm: at every angle its tools break out of the part, or leave "
-        f"less than {1e3 * plane.min_wall:g} mm of it: use a smaller tool, or move the plane"
+        f"less than {1e3 * plane.min_wall:g} mm of it: use a smaller tool, a smaller wall where that is safe, or "
+        "another radius or place of the plane"
     )

@@ -89,7 +89,7 @@ def best_plan(places: Places, aim: float = 1.0) -> Plan:
     if search.worst > 1 or aim == 0:
         search.leave_least()
     spots, worst = _spared(places, search.spots, search.worst, aim)
-    settled = search.settled and not places.cut_short and worst > FINE
+    settled = search.settled and not (places.cut_short or sharing.cut_short) and worst > FINE
     out_of_reach = lowest > 1 or (settled and worst > 1)
     fewest = 0 if out_of_reach or worst_of(places.start) <= 1 else sharing.first(1.0)
     bound = lowest
@@ -103,7 +103,7 @@ def best_plan(places: Places, aim: float = 1.0) -> Plan:
         bound=min(bound, worst),
         lowest=lowest,
         fewest=min(fewest, len(spots)) if worst <= 1 else fewest,
-        cut_short=places.cut_short,
+        cut_short=places.cut_short or sharing.cut_short,
         binding=sharing.binding(),
         settled=settled,
     )
@@ -170,7 +170,8 @@ class _Search:
             if counts in self._tried or least > below * (1 + _TIE):
                 continue
             busy = [(group, n) for group, n in zip(self.sharing.kinds, counts, strict=True) if n]
-            if len(busy) <= _LISTED_PLANES and all(self._listing.lists(*each) for each in busy):
+            at_once = len(busy) <= _LISTED_PLANES and not self._places.late()
+            if at_once and all(self._listing.lists(*each) for each in busy):
                 spots, worst = self._listing.best_of(busy, below)
             else:
                 self.settled = False
