@@ -40,7 +40,7 @@ SHAPES = {
 BOUNDED = (60, 200, 500, 1_000, 2_000, 4_000, 6_000, 10_000, 50_000, 300_000, 1_300_000)
 IN_FILES = ("torus", "plate", "wall")
 """Shapes that are sound where coordinates are rounded to float32."""
-PAIRS = 40
+PAIRS = 120
 MESHES = 500
 ROUNDS = 7
 

@@ -33,6 +33,8 @@ from inertia.report.balance.data import (
 )
 from inertia.report.numerals import converted
 
+_ROUNDED = 1e-9  # of the limit: what plan and bound differ by where they are one
+
 
 def report_data(balance: Balance, date: str | None = None, machine: MachineAngles | None = None) -> ReportData:
     """Return what is reported of a balance.
@@ -100,7 +102,8 @@ def _plan(correction: Correction | None) -> str:
     if correction.fewest:
         plan += ", the fewest there can be" if correction.fewest >= number else f", {correction.fewest} at least"
     plan += f"; {100 * correction.worst:.3g} % of the limit aimed at is left, and the bound for so many places is "
-    plan += f"{100 * correction.bound:.3g} %: a gap of {100 * (correction.worst - correction.bound):.3g} %"
+    gap = correction.worst - correction.bound
+    plan += f"{100 * correction.bound:.3g} %: a gap of {100 * gap if gap > _ROUNDED else 0:.3g} %"
     return plan + ("; the time was up before all was tried" if correction.cut_short else "")
 
 
