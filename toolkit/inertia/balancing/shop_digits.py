@@ -88,10 +88,10 @@ def _of_work(work: Operation, within: float, machine: MachineAngles) -> ShopDigi
     depth, mass, radius = (1e3 * k for k in (work.depth or 0.0, work.mass, work.radius))
     weighed = work.kind in ("point_mass", "weight")
     # Radial tools go in from the surface wherever that is: nobody sets it.
-    set_there = within * radius if weighed or work.kind == "drill_axial" else math.inf
+    set_there = weighed or work.kind == "drill_axial"
     return ShopDigits(
         depth=decimals_needed(depth, within / _STEEPEST * depth),
-        place=max(decimals_needed(1e3 * work.z), decimals_needed(radius, set_there)),
+        place=max(decimals_needed(1e3 * work.z), decimals_needed(radius, within * radius) if set_there else 0),
         tool=max(decimals_needed(1e3 * (k or 0.0)) for k in (work.tool_diameter, work.width)),
         angle=max(decimals_needed(k, turn) for k in (degrees, machine.of(degrees))),
         ends=max(decimals_needed(k, turn) for k in (degrees - half, degrees + half, 2.0 * half)) if half else 0,

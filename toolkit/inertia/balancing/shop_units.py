@@ -21,7 +21,7 @@ POUND = 0.45359237
 """kg in a pound."""
 
 _MOST = 6  # decimals: a nanometre, a millionth of a degree, a microgram
-_ROUNDING = 1e-9  # of a figure in its unit: what conversions leave of it
+_ROUNDING = 1e-12  # of a figure in its unit: what conversions leave of it
 
 
 def in_gmm(unbalance: complex) -> float:
@@ -63,8 +63,8 @@ def decimals_needed(value: float, within: float = math.inf) -> int:
 
     >>> decimals_needed(12.775), decimals_needed(0.018 * 25.4), decimals_needed(90.0)
     (3, 4, 0)
-    >>> decimals_needed(360 / 7), decimals_needed(360 / 7, within=0.01)
-    (0, 2)
+    >>> decimals_needed(360 / 7), decimals_needed(360 / 7, within=0.01), decimals_needed(40.03605502)
+    (0, 2, 0)
     """
     for decimals in range(_MOST + 1):
         if abs(round(value, decimals) - value) <= _ROUNDING * max(1.0, abs(value)):
